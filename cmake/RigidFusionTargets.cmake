@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One place for the standard, the warnings and the CPU baseline of our own targets.
+
+option(RF_WERROR "Treat compiler warnings as errors (on in CI)" OFF)
+set(RF_SANITIZE "" CACHE STRING "Comma-separated -fsanitize= list for all our targets; empty for none")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(RF_CPU_BASELINE "x86-64-v3" CACHE STRING "-march baseline; never 'native' for robots")
+else()
+  set(RF_CPU_BASELINE "" CACHE STRING "-march baseline; empty for the compiler's default")
+endif()
+
+add_library(rf_options INTERFACE)
+target_compile_features(rf_options INTERFACE cxx_std_20)
+target_compile_options(rf_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
+  $<$<BOOL:${RF_WERROR}>:-Werror>
+  $<$<BOOL:${RF_CPU_BASELINE}>:-march=${RF_CPU_BASELINE}>
+  $<$<CONFIG:Release>:-O3>)
+target_include_directories(rf_options INTERFACE ${PROJECT_SOURCE_DIR}/common)
+if(RF_SANITIZE)
+  target_compile_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE})
+endif()
+
+# rf_library(NAME SOURCES... LINK targets...): a room of common/, alias rf::NAME.
+function(rf_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(rf_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(rf_${name} PUBLIC rf_options ${ARG_LINK})
+  else()
+    add_library(rf_${name} INTERFACE)
+    target_link_libraries(rf_${name} INTERFACE rf_options ${ARG_LINK})
+  endif()
+  add_library(rf::${name} ALIAS rf_${name})
+endfunction()
+
+# rf_program(NAME SOURCES... LINK targets...): an executable in build/<preset>/bin.
+if(NOT TARGET rf_programs)
+  add_custom_target(rf_programs)  # builds every program, no tests
+endif()
+function(rf_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rf_options ${ARG_LINK})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  add_dependencies(rf_programs ${name})
+  install(TARGETS ${name} RUNTIME DESTINATION bin)
+endfunction()
+
+# rf_test(NAME SOURCES... LINK targets... [LABELS labels...]): a GoogleTest program, one CTest entry
+# per program; LABELS default to "unit" (what the sanitizers run).
+if(NOT TARGET rf_unit_tests)
+  add_custom_target(rf_unit_tests)  # builds every test labelled "unit"
+endif()
+function(rf_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rf_options ${ARG_LINK} GTest::gtest_main)
+  # gcc 12 sees Eigen's small vectors read out of bounds where they are not, with AVX inlined.
+  target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  target_compile_definitions(${name} PRIVATE
+    RF_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data" RF_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/test-bin)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(rf_unit_tests ${name})
+  endif()
+endfunction()
