@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "segmentation/hypotheses.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+namespace rf {
+namespace {
+
+struct Candidate {
+  std::string name;
+  JointFit fit;
+  bool continued = false;
+};
+
+/// Builds and solves the readings of one frame; each method is one of them.
+class Readings {
+ public:
+  Readings(const DecisionInput& input, const JointParams& params, const DecisionParams& decision,
+           const ImageTermParams& terms)
+      : in_(input), params_(params), decision_(decision), terms_(terms) {
+    const std::size_t clusters = in_.warped.target.size();
+    weak_.target.assign(clusters, in_.window_prior.outlier_class ? 1.0F : 0.5F);
+    weak_.weight.assign(clusters, static_cast<float>(decision.weak_pull));
+  }
+
+  Candidate continued() const {
+    return {"continue", solve(in_.continued, in_.step_prior, in_.warped), true};
+  }
+
+  Candidate oneBody() const {
+    JointState start = in_.continued;
+    start.T_s = in_.window_prior.T_s;
+    start.one_body = true;
+    Candidate from_prior{"one-body", solve(start, in_.window_prior, in_.warped), false};
+    return from_prior;
+  }
+
+  /// All pixels as one body, the camera prior almost ignored.
+  SE3 dominantMotion() const {
+    JointState start = in_.continued;
+    start.T_s = in_.window_prior.T_s;
+    start.one_body = true;
+    JointPrior weak = in_.window_prior;
+    weak.information_s *= decision_.dominant_prior;
+    return solveJoint(in_.level, start, weak, in_.warped, *in_.adjacency, params_, terms_,
+                      decision_.dominant_iterations)
+        .state.T_s;
+  }
+
+  Candidate fromMotions(const std::string& name, const SE3& T_s, const SE3& T_d) const {
+    JointState start;
+    start.T_s = T_s;
+    start.T_d = T_d;
+    start.gamma = scoresFromMotions(in_.level, start, in_.window_prior, weak_, *in_.adjacency,
+                                    params_, terms_);
+    return {name, solve(start, in_.window_prior, weak_), false};
+  }
+
+  Candidate swapped(const Candidate& continued) const {
+    JointState start = continued.fit.state;
+    std::swap(start.T_s, start.T_d);
+    for (float& g : start.gamma) g = 1.0F - g;
+    ScorePrior target = in_.warped;
+    for (float& g : target.target) g = 1.0F - g;
+    return {"swap", solve(start, in_.window_prior, target), false};
+  }
+
+  Candidate restarted() const {
+    JointState start;
+    start.T_s = in_.window_prior.T_s;
+    start.T_d = in_.window_prior.expectedObject(start.T_s);
+    start.gamma.assign(in_.warped.target.size(), 1.0F);
+    ScorePrior target = in_.warped;
+    target.target.assign(target.target.size(), 1.0F);
+    return {"restart", solve(start, in_.window_prior, target), false};
+  }
+
+ private:
+  JointFit solve(const JointState& start, const JointPrior& prior, const ScorePrior& scores) const {
+    return solveJoint(in_.level, start, prior, scores, *in_.adjacency, params_, terms_,
+                      decision_.iterations);
+  }
+
+  const DecisionInput& in_;
+  const JointParams& params_;
+  const DecisionParams& decision_;
+  const ImageTermParams& terms_;
+  ScorePrior weak_;
+};
+
+double staticShare(const JointLevel& level, const std::vector<float>& gamma) {
+  double sum = 0;
+  double pixels = 0;
+  for (const std::uint8_t k : *level.label) {
+    if (k >= gamma.size()) continue;
+    sum += static_cast<double>(gamma[k]);
+    ++pixels;
+  }
+  return pixels > 0 ? sum / pixels : 1.0;
+}
+
+}  // namespace
+
+Decision decide(const DecisionInput& input, const JointParams& params,
+                const DecisionParams& decision, const ImageTermParams& terms) {
+  const Readings readings(input, params, decision, terms);
+  std::vector<Candidate> candidates;
+  candidates.push_back(readings.continued());
+  candidates.push_back(readings.oneBody());
+  const SE3 L = readings.dominantMotion();
+  if (input.window_prior.outlier_class) {
+    candidates.push_back(readings.fromMotions("outliers", L, L));
+  } else {
+    candidates.push_back(
+        readings.fromMotions("camera-dominant", L, input.window_prior.expectedObject(L)));
+    candidates.push_back(
+        readings.fromMotions("object-dominant", input.window_prior.expectedCamera(L), L));
+    candidates.push_back(readings.swapped(candidates.front()));
+    candidates.push_back(readings.restarted());
+  }
+
+  double c = std::numeric_limits<double>::max();
+  for (const Candidate& k : candidates) c = std::min(c, k.fit.state.c);
+  const double scale = decision.reference_pixels / (2.0 * params.kappa);
+  double continue_image = 0;
+  Decision best;
+  best.energy = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Candidate& candidate = candidates[i];
+    const JointState& state = candidate.fit.state;
+    const double image =
+        scale * imageEnergy(input.level, candidate.fit, input.window_prior, params, c);
+    double energy = image + input.window_prior.cost(state.T_s, state.T_d);
+    if (i == 0) continue_image = image;
+    if (state.one_body) {
+      best.one_body_energy = energy;
+      energy -= decision.one_body_bonus;
+    } else {
+      if (i > 0) energy += decision.switch_charge * continue_image;
+      if (staticShare(input.level, state.gamma) < decision.no_static_share)
+        energy += decision.no_static_charge;
+    }
+    if (energy < best.energy) {
+      best.energy = energy;
+      best.name = candidate.name;
+      best.continued = candidate.continued;
+      best.fit = std::move(candidate.fit);
+    }
+  }
+  return best;
+}
+
+}  // namespace rf

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "segmentation/joint_solver.hpp"
+
+namespace rf {
+
+/// Charges and sizes of the decision; each in negative log likelihood units (docs/ALGORITHM.md).
+struct DecisionParams {
+  int iterations = 4;            ///< of each short coarse solve
+  int dominant_iterations = 6;   ///< of the fit of all pixels
+  double dominant_prior = 0.05;  ///< weight left to the camera prior in that fit
+  double switch_charge =
+      0.02;  ///< share of h0's image energy that every other two-body reading pays
+  double one_body_bonus = 12;   ///< two bodies must explain this much more than one
+  double no_static_charge = 8;  ///< paid by a state that leaves (almost) no static pixels
+  double no_static_share = 0.03;
+  double weak_pull = 0.3;          ///< unary weight to 0.5 where labels are unknown
+  double reference_pixels = 4800;  ///< the charges were found at 80x60
+
+  template <class V>
+  void visit(V& v) {
+    v("iterations", iterations, 1, 50, "-", "iterations of each short coarse solve");
+    v("dominant_iterations", dominant_iterations, 1, 50, "-",
+      "iterations of the one-motion fit of all pixels");
+    v("dominant_prior", dominant_prior, 0.0, 1.0, "-",
+      "weight left to the camera prior in that fit");
+    v("switch_charge", switch_charge, 0.0, 1.0, "-",
+      "share of the image energy that a changed reading pays");
+    v("one_body_bonus", one_body_bonus, 0.0, 1000.0, "nll",
+      "what two bodies must explain beyond one");
+    v("no_static_charge", no_static_charge, 0.0, 1000.0, "nll",
+      "paid by a state without static pixels");
+    v("no_static_share", no_static_share, 0.0, 0.5, "-",
+      "static share below which that charge falls due");
+    v("weak_pull", weak_pull, 0.0, 10.0, "-", "pull of scores whose labels are unknown");
+    v("reference_pixels", reference_pixels, 1.0, 1e7, "px",
+      "pixels that the image energy counts for");
+  }
+};
+
+/// What is known before the decision.
+struct DecisionInput {
+  JointLevel level;         ///< the coarse level
+  JointState continued;     ///< chained estimate plus one prior step, gamma = warped scores
+  JointPrior step_prior;    ///< around the chained estimate: one step's covariance
+  JointPrior window_prior;  ///< product of accepted prior increments over the window
+  ScorePrior warped;        ///< S_T
+  const Adjacency* adjacency = nullptr;
+};
+
+/// The winning reading of the frame.
+struct Decision {
+  std::string
+      name;      ///< continue, camera-dominant, object-dominant, swap, restart, one-body, outliers
+  JointFit fit;  ///< at the coarse level
+  bool continued = false;  ///< the step prior (not the window's) belongs to it
+  double energy = 0;
+  double one_body_energy = 0;  ///< for diagnosis: without the bonus
+};
+
+/// Competing readings of which motion is whose, each solved briefly at the coarse level; the lowest
+/// energy (image plus window priors plus charges) wins. The two readings of the dominant motion are
+/// what finds an object that covers most of the view (algorithm G, Q2).
+Decision decide(const DecisionInput& input, const JointParams& params,
+                const DecisionParams& decision, const ImageTermParams& terms);
+
+}  // namespace rf
