@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mapping/fusion_config.hpp"
+#include "pipeline/codec.hpp"
+#include "pipeline/prior_stage.hpp"
+#include "segmentation/segmentation_config.hpp"
+
+namespace rf {
+
+/// Every parameter of the pipeline: one YAML file for all processes and the offline run.
+struct PipelineConfig {
+  CodecOptions capture;
+  PriorConfig prior;
+  SegmentationConfig segmentation;
+  FusionConfig fusion;
+
+  template <class V>
+  void visit(V& v) {
+    v("capture", capture, "rf-capture: the codec");
+    v("prior", prior, "rf-prior: motion priors");
+    v("segmentation", segmentation, "rf-segment: motion segmentation");
+    v("fusion", fusion, "rf-fuse: mapping and frame-to-model tracking");
+  }
+};
+
+}  // namespace rf
