@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/effective.hpp"
+
+#include <filesystem>
+#include <vector>
+
+#include "config/yaml.hpp"
+#include "datasets/trajectory.hpp"
+#include "datasets/tum_source.hpp"
+#include "messaging/log_source.hpp"
+#include "priors/simulated_drift.hpp"
+
+namespace rf {
+namespace {
+
+Trajectory drifted(const Trajectory& truth, const RunOptions& options, DriftStream stream) {
+  const std::size_t at = stream == DriftStream::kCamera ? 0 : 2;
+  if (options.simulate_drift.size() < at + 2) return truth;
+  return withDrift(truth, {options.simulate_drift[at], options.simulate_drift[at + 1],
+                           options.drift_seed, stream});
+}
+
+}  // namespace
+
+PipelineConfig effectiveConfig(const RunOptions& options) {
+  PipelineConfig config;
+  if (!options.config.empty()) loadConfigFile(options.config, config);
+  if (!options.mode.empty()) overrideConfig("segmentation.mode=" + options.mode, config);
+  for (const std::string& assignment : options.set) overrideConfig(assignment, config);
+  checkConfig(config, "configuration");
+  return config;
+}
+
+PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options) {
+  PriorStage stage(config);
+  if (const std::string file = options.cameraPriorFile(); !file.empty()) {
+    stage.addCameraPoses(drifted(readTrajectory(file), options, DriftStream::kCamera));
+  }
+  if (const std::string file = options.objectPriorFile(); !file.empty()) {
+    stage.addObjectPoses(drifted(readTrajectory(file), options, DriftStream::kObject));
+  }
+  return stage;
+}
+
+void savePriors(const RunOptions& options) {
+  const auto save = [&](const std::string& file, DriftStream stream, const char* name) {
+    if (file.empty()) return;
+    TrajectoryWriter writer(options.output + "/" + name, "timestamp tx ty tz qx qy qz qw");
+    for (const StampedPose& p : drifted(readTrajectory(file), options, stream)) {
+      writer.add(p.utime, p.pose);
+    }
+  };
+  save(options.cameraPriorFile(), DriftStream::kCamera, "camera_prior.txt");
+  save(options.objectPriorFile(), DriftStream::kObject, "object_prior.txt");
+}
+
+std::unique_ptr<FrameSource> openSource(const RunOptions& options) {
+  std::optional<Calibration> calibration;
+  if (!options.calibration.empty()) calibration = readCalibration(options.calibration);
+  if (std::filesystem::is_directory(options.input)) {
+    return std::make_unique<TumSource>(options.input, calibration);
+  }
+  return std::make_unique<LcmLogSource>(
+      options.input, calibration ? std::optional(calibration->camera) : std::nullopt);
+}
+
+}  // namespace rf

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "pipeline/pipeline_config.hpp"
+#include "pipeline/prior_stage.hpp"
+#include "pipeline/run_options.hpp"
+#include "values/frame_source.hpp"
+
+namespace rf {
+
+/// Defaults, then --config, then --mode, then --set. Throws ConfigError.
+PipelineConfig effectiveConfig(const RunOptions& options);
+
+/// The prior stage with the trajectories in force, drifted when asked. Throws DatasetError.
+PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options);
+
+/// Writes the trajectories in force, drifted when asked, as camera_prior.txt and object_prior.txt
+/// into the result folder, where rf-evaluate looks for them. Throws DatasetError.
+void savePriors(const RunOptions& options);
+
+/// A TUM-layout folder or an LCM log. Throws DatasetError, ConfigError.
+std::unique_ptr<FrameSource> openSource(const RunOptions& options);
+
+}  // namespace rf

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rf-run: the whole pipeline in one process, offline.
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "config/yaml.hpp"
+#include "datasets/result_writer.hpp"
+#include "datasets/trajectory.hpp"
+#include "geometry/parallel.hpp"
+#include "options/effective.hpp"
+#include "options/run_cli.hpp"
+#include "pipeline/offline.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;
+void onSignal(int) { g_stop = 1; }
+
+constexpr int kExitStopped = 0;
+constexpr int kExitBadConfig = 2;
+constexpr int kExitNoInput = 4;
+
+void progress(std::size_t done, std::size_t total, const rf::OfflinePipeline::Output& out) {
+  fmt::print(stderr, "\r{:>5}/{}  camera {:<10}  object {:<10}  dynamic {:4.0f} %  {:<16}", done,
+             total, rf::name(out.state.camera.health),
+             out.state.object_exists ? rf::name(out.state.object.health) : "unborn",
+             100 * out.segmentation.dynamic_share, out.segmentation.hypothesis);
+}
+
+int run(const rf::RunOptions& options) {
+  rf::setThreads(options.threads);
+  const rf::PipelineConfig config = rf::effectiveConfig(options);
+  const std::unique_ptr<rf::FrameSource> source = rf::openSource(options);
+  rf::OfflinePipeline pipeline(config, source->camera(), rf::makePriorStage(config.prior, options));
+  rf::ResultWriter writer(options.output, source->camera(),
+                          {options.write_masks, rf::writeConfig(config)});
+  std::size_t done = 0;
+  while (g_stop == 0) {
+    const std::optional<rf::SourcedFrame> input = source->next();
+    if (!input) break;
+    ++done;
+    if (!input->frame) {
+      fmt::print(stderr, "\n{}\n", input->problem);
+      writer.addLost(input->utime, input->seq, input->problem);
+      continue;
+    }
+    const rf::OfflinePipeline::Output out = pipeline.process(*input->frame, input->coded);
+    writer.addPrior(out.prior);
+    writer.add(out.frame, out.segmentation, out.state);
+    if (!options.quiet) progress(done, source->size(), out);
+  }
+  writer.writeModels(pipeline.fusion().surfels(rf::kBodyStatic),
+                     pipeline.fusion().surfels(rf::kBodyObject));
+  if (!options.quiet) {
+    fmt::print(stderr, "\n{} frames, {} lost; results in {}\n", writer.framesWritten(),
+               writer.framesLost(), options.output);
+  }
+  return kExitStopped;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "rf-run: segment, track and reconstruct a recording in one process.\n"
+      "Exit codes: 0 done or stopped, 2 bad options or configuration, 4 input unusable.");
+  rf::RunOptions options;
+  rf::addRunOptions(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitStopped : kExitBadConfig;
+  }
+  if (const std::string problem = options.problem(); !problem.empty()) {
+    fmt::print(stderr, "rf-run: {}\n", problem);
+    return kExitBadConfig;
+  }
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+  try {
+    return run(options);
+  } catch (const rf::ConfigError& error) {
+    fmt::print(stderr, "rf-run: {}\n", error.what());
+    return kExitBadConfig;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "rf-run: {}\n", error.what());
+    return kExitNoInput;
+  }
+}
