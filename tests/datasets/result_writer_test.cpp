@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/result_writer.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "datasets/error.hpp"
+#include "datasets/image_files.hpp"
+#include "datasets/ply.hpp"
+#include "temp_folder.hpp"
+
+namespace rf {
+namespace {
+
+Camera smallCamera() { return {32, 24, 30, 30, 15.5, 11.5, {0, 0, 0, 0, 0}}; }
+
+struct OneFrame {
+  RgbdFrame frame;
+  SegmentationResult segmentation;
+  ModelState state;
+
+  explicit OneFrame(std::int64_t utime, std::int64_t seq = 0) {
+    frame.utime = segmentation.utime = state.utime = utime;
+    frame.seq = segmentation.seq = state.seq = seq;
+    frame.colour = Image<Rgb>(32, 24);
+    frame.depth_mm = Image<std::uint16_t>(32, 24, 1000);
+    segmentation.score = Image<std::uint8_t>(16, 12, 255);
+    segmentation.stage_ms = {{"pyramid", 1.25}, {"solve", 2.5}};
+    state.camera.health = Health::kTracked;
+    state.object.health = Health::kTracked;
+  }
+};
+
+TEST(MaskMaker, FollowsDepthAndScore) {
+  OneFrame f(1);
+  f.frame.depth_mm(0, 0) = 0;
+  f.segmentation.score(3, 2) = 127;
+  f.segmentation.score(4, 2) = 128;
+  const Image<std::uint8_t> mask =
+      MaskMaker(smallCamera()).make(f.frame.depth_mm, f.segmentation.score, 2);
+  EXPECT_EQ(mask(0, 0), kMaskNoDepth);
+  EXPECT_EQ(mask(1, 0), kMaskStatic);
+  for (const int u : {6, 7}) {
+    for (const int v : {4, 5}) EXPECT_EQ(mask(u, v), kMaskDynamic);
+  }
+  EXPECT_EQ(mask(5, 4), kMaskStatic);
+  EXPECT_EQ(mask(8, 4), kMaskStatic);
+}
+
+TEST(MaskMaker, LooksUpScoresWhereDistortedPixelsGo) {
+  Camera camera = smallCamera();
+  camera.distortion = {0.2, 0, 0, 0, 0};
+  Image<std::uint8_t> score(16, 12, 255);
+  for (int v = 0; v < 12; ++v) score(15, v) = 0;
+  MaskMaker maker(camera);
+  const Image<std::uint16_t> depth(32, 24, 500);
+  const Image<std::uint8_t> mask = maker.make(depth, score, 2);
+  int dynamic = 0;
+  for (int v = 0; v < 24; ++v) {
+    for (int u = 0; u < 32; ++u) {
+      const Eigen::Vector2d ideal = camera.undistort({u, v});
+      const bool expected = std::clamp(ideal.x() + 0.5, 0.0, 31.0) >= 30.0;
+      EXPECT_EQ(mask(u, v), expected ? kMaskDynamic : kMaskStatic) << u << " " << v;
+      dynamic += mask(u, v) == kMaskDynamic;
+    }
+  }
+  EXPECT_LT(dynamic, 48) << "barrel or pincushion moves the border column";
+}
+
+TEST(MaskMaker, RefusesOtherSizes) {
+  MaskMaker maker(smallCamera());
+  const Image<std::uint16_t> depth(32, 24, 500);
+  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(8, 8), 2), std::invalid_argument);
+  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(16, 12), 0), std::invalid_argument);
+  EXPECT_THROW(maker.make(Image<std::uint16_t>(16, 12), Image<std::uint8_t>(16, 12), 2),
+               std::invalid_argument);
+}
+
+TEST(ResultWriter, EveryFrameHasALineOrIsListedAsLost) {
+  const TempFolder folder;
+  const std::string out = folder / "result";
+  ResultWriter writer(out, smallCamera(), {true, "mode: vo\n"});
+  OneFrame first(1000000, 0);
+  writer.add(first.frame, first.segmentation, first.state);
+  writer.addLost(2000000, 1, "a.png: is truncated, twice");
+  OneFrame third(3000000, 2);
+  third.state.object_exists = true;
+  writer.add(third.frame, third.segmentation, third.state);
+  OneFrame lost(4000000, 3);
+  lost.state.camera.health = Health::kLost;
+  writer.add(lost.frame, lost.segmentation, lost.state);
+  writer.writeModels({{1, 2, 3, 0, 0, 1, 1, 2, 3, 0.01F, 1}}, {});
+
+  const Trajectory camera = readTrajectory(out + "/camera.txt");
+  ASSERT_EQ(camera.size(), 2U);
+  EXPECT_EQ(camera[1].utime, 3000000);
+  EXPECT_EQ(readTrajectory(out + "/object.txt").size(), 1U);
+  EXPECT_EQ(TempFolder::read(out + "/config.yaml"), "mode: vo\n");
+  EXPECT_EQ(readPly(out + "/static.ply").size(), 1U);
+  EXPECT_EQ(readPly(out + "/object.ply").size(), 0U);
+  EXPECT_EQ(readGreyImage(out + "/masks/3.000000.png", 32, 24)(1, 1), kMaskStatic);
+
+  const std::string csv = TempFolder::read(out + "/frames.csv");
+  std::istringstream rows(csv);
+  std::string row;
+  std::vector<std::string> all;
+  while (std::getline(rows, row)) all.push_back(row);
+  ASSERT_EQ(all.size(), 5U);
+  const auto commas = std::count(all[0].begin(), all[0].end(), ',');
+  for (const std::string& r : all) EXPECT_EQ(std::count(r.begin(), r.end(), ','), commas) << r;
+  EXPECT_EQ(all[2].rfind("2000000,1,lost,", 0), 0U);
+  EXPECT_NE(all[1].find("segment.pyramid=1.250;segment.solve=2.500"), std::string::npos);
+  EXPECT_EQ(writer.framesWritten(), 3);
+  EXPECT_EQ(writer.framesLost(), 1);
+}
+
+TEST(ResultWriter, KeepsThePriorsThatWereUsed) {
+  const TempFolder folder;
+  ResultWriter writer(folder.path(), smallCamera(), {});
+  MotionPrior prior;
+  prior.utime_b = 5;
+  writer.addPrior(prior);
+  EXPECT_FALSE(std::filesystem::exists(folder / "camera_prior.txt"));
+  prior.utime_b = 7;
+  prior.camera = prior.object = PriorState::kValid;
+  prior.object_kind = ObjectPriorKind::kWorldFrame;
+  prior.T_XOb.t.x() = 3;
+  writer.addPrior(prior);
+  ASSERT_EQ(readTrajectory(folder / "camera_prior.txt").size(), 1U);
+  EXPECT_EQ(readTrajectory(folder / "object_prior.txt").at(0).pose.t.x(), 3);
+}
+
+TEST(ResultWriter, RemovesOldResultsOnly) {
+  const TempFolder folder;
+  folder.write("masks/1.000000.png", "old");
+  folder.write("masks/notes.png", "mine");
+  folder.write("static.ply", "old");
+  ResultWriter writer(folder.path(), smallCamera(), {});
+  EXPECT_FALSE(std::filesystem::exists(folder / "masks/1.000000.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "masks/notes.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "static.ply"));
+}
+
+TEST(ResultWriter, RefusesResultsOfDifferentFrames) {
+  const TempFolder folder;
+  ResultWriter writer(folder.path(), smallCamera(), {});
+  OneFrame f(1000000);
+  f.state.utime = 2;
+  EXPECT_THROW(writer.add(f.frame, f.segmentation, f.state), std::invalid_argument);
+  EXPECT_THROW(ResultWriter("/proc/none/here", smallCamera(), {}), DatasetError);
+}
+
+}  // namespace
+}  // namespace rf

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/evaluate_folders.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "../datasets/temp_folder.hpp"
+#include "datasets/error.hpp"
+#include "datasets/image_files.hpp"
+#include "datasets/text.hpp"
+#include "datasets/trajectory.hpp"
+
+namespace rf {
+namespace {
+
+/// 60 frames at 20 Hz; the object rests for 20, then moves at 0.2 m/s; the result is 1 cm/s too
+/// fast.
+class Sequence {
+ public:
+  explicit Sequence(const TempFolder& folder) {
+    std::string rgb;
+    std::string depth;
+    std::filesystem::create_directories(folder / "seq/mask");
+    std::filesystem::create_directories(folder / "res/masks");
+    TrajectoryWriter truth(folder / "seq/groundtruth.txt", "T_WC");
+    TrajectoryWriter object_truth(folder / "seq/object_groundtruth.txt", "T_WO");
+    TrajectoryWriter odometry(folder / "seq/odometry.txt", "T_WC");
+    TrajectoryWriter camera(folder / "res/camera.txt", "T_WC");
+    TrajectoryWriter object(folder / "res/object.txt", "T_WO");
+    for (int i = 0; i < 60; ++i) {
+      const std::int64_t utime = i * 50000;
+      const double s = 0.05 * i;
+      const std::string name = formatTimestamp(utime) + ".png";
+      rgb += formatTimestamp(utime) + " rgb/" + name + "\n";
+      depth += formatTimestamp(utime) + " depth/" + name + "\n";
+      truth.add(utime, at(0.3 * s));
+      odometry.add(utime, at(0.36 * s));
+      object_truth.add(utime, at(1 + std::max(0.0, 0.2 * (s - 1))));
+      if (i != 30) camera.add(utime, at(0.31 * s));
+      if (i >= 25) object.add(utime, at(2 + 0.2 * (s - 1)));
+      writeGreyImage(folder / ("seq/mask/" + name), mask(8));
+      if (i != 31) writeGreyImage(folder / ("res/masks/" + name), mask(4));
+    }
+    folder.write("seq/rgb.txt", rgb);
+    folder.write("seq/depth.txt", depth);
+    request.sequence = folder / "seq";
+    request.result = folder / "res";
+  }
+
+  EvaluationRequest request;
+
+ private:
+  static SE3 at(double x) { return {Eigen::Quaterniond::Identity(), Vec3(x, 0, 0)}; }
+  static Image<std::uint8_t> mask(int columns) {
+    Image<std::uint8_t> m(16, 16, 1);
+    for (int v = 0; v < 16; ++v) {
+      for (int u = 0; u < columns; ++u) m(u, v) = 2;
+    }
+    return m;
+  }
+};
+
+TEST(EvaluateFolders, MeasuresAllThatIsThere) {
+  const TempFolder folder;
+  const Sequence sequence(folder);
+  const EvaluationReport r = evaluateFolders(sequence.request);
+  EXPECT_EQ(r.camera->posed, 59U);
+  EXPECT_NEAR(r.camera->rpe.translation.rmse, 0.01, 1e-6);
+  EXPECT_NEAR(r.camera_prior->rpe.translation.rmse, 0.06, 1e-6);
+  EXPECT_EQ(r.camera_prior->posed, 60U);
+  EXPECT_NEAR(r.object->ate_first.max, 0, 1e-6) << "a constant offset is none";
+  EXPECT_FALSE(r.object_prior);
+  EXPECT_EQ(r.fast->frames, 40U) << "frame 20 on: central differences give it half the speed";
+  EXPECT_EQ(r.fast->missing, 1U);
+  EXPECT_NEAR(r.fast->iou_median, 0.5, 1e-12);
+  EXPECT_NEAR(r.fast->iou_min, 0.0, 1e-12);
+  EXPECT_FALSE(r.static_model);
+}
+
+TEST(EvaluateFolders, PriorsOfTheResultAndOptionsGoFirst) {
+  const TempFolder folder;
+  Sequence sequence(folder);
+  std::filesystem::copy_file(folder / "seq/groundtruth.txt", folder / "res/camera_prior.txt");
+  EXPECT_LT(evaluateFolders(sequence.request).camera_prior->ate_first.rmse, 1e-9);
+  sequence.request.camera_prior = "none";
+  EXPECT_FALSE(evaluateFolders(sequence.request).camera_prior);
+}
+
+TEST(EvaluateFolders, SaysWhatIsAbsentAndRefusesWhatIsBroken) {
+  const TempFolder folder;
+  const Sequence sequence(folder);
+  std::filesystem::remove(folder / "seq/object_groundtruth.txt");
+  std::filesystem::remove_all(folder / "res/masks");
+  const EvaluationReport r = evaluateFolders(sequence.request);
+  EXPECT_FALSE(r.object);
+  EXPECT_FALSE(r.fast);
+  EXPECT_EQ(r.notes.size(), 2U);
+  folder.write("res/camera.txt", "1 0 0 nan 0 0 0 1\n");
+  EXPECT_NE(messageOf<DatasetError>([&] {
+              evaluateFolders(sequence.request);
+            }).find("camera.txt:1: tz = nan"),
+            std::string::npos);
+  std::filesystem::remove(folder / "res/camera.txt");
+  EXPECT_THROW(evaluateFolders(sequence.request), DatasetError);
+}
+
+TEST(EvaluateFolders, JsonHasTheNumbersOfTheTable) {
+  const TempFolder folder;
+  const Sequence sequence(folder);
+  const EvaluationReport r = evaluateFolders(sequence.request);
+  const YAML::Node json = YAML::Load(toJson(r));  // JSON is YAML
+  EXPECT_NEAR(json["camera"]["rpe_cm_per_s"]["rmse"].as<double>(), 1.0, 1e-4);
+  EXPECT_NEAR(json["segmentation_fast"]["iou_median"].as<double>(), 0.5, 1e-6);
+  EXPECT_TRUE(json["static_model"].IsNull());
+  EXPECT_NE(toText(r).find("camera prior"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rf

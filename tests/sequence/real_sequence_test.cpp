@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cuts of two real recordings (tests/data/ATTRIBUTION.md).
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "datasets/image_files.hpp"
+#include "datasets/trajectory.hpp"
+#include "datasets/tum_source.hpp"
+#include "geometry/parallel.hpp"
+#include "priors/simulated_drift.hpp"
+#include "sequence_run.hpp"
+
+namespace rf {
+namespace {
+
+SequenceRun run(const std::string& folder, const Trajectory& camera_prior) {
+  setThreads(2);
+  TumSource source(folder);
+  PipelineConfig config;
+  PriorStage prior(config.prior);
+  if (!camera_prior.empty()) prior.addCameraPoses(camera_prior);
+  const SequenceRun out =
+      runSequence(source.camera(), config, prior, [&]() -> std::optional<RgbdFrame> {
+        std::optional<SourcedFrame> f = source.next();
+        return f ? std::move(f->frame) : std::nullopt;
+      });
+  setThreads(1);
+  return out;
+}
+
+TEST(RealSequence, RotatingCameraBeatsItsDriftingPrior) {
+  const std::string folder = std::string(RF_TEST_DATA) + "/tum_fr1_rpy";
+  const Trajectory truth = readTrajectory(folder + "/groundtruth.txt");
+  const Trajectory prior = withDrift(truth, {0.06, 0.4, 1, DriftStream::kCamera});
+  const SequenceRun out = run(folder, prior);
+  const TrajectoryScore camera = scoreCamera(out.camera, truth, out.frames);
+  const TrajectoryScore drift = scoreCamera(prior, truth, out.frames);
+  EXPECT_LT(camera.ate_aligned.rmse, 0.04);
+  EXPECT_LT(camera.ate_aligned.rmse, drift.ate_aligned.rmse);
+  EXPECT_EQ(camera.coverage, 1.0);
+}
+
+TEST(RealSequence, PeopleAreFoundWithoutAnyPrior) {
+  const std::string folder = std::string(RF_TEST_DATA) + "/tum_fr3_walking_halfsphere";
+  const SequenceRun out = run(folder, {});
+  int compared = 0;
+  int found = 0;
+  double iou = 0;
+  for (std::size_t k = 0; k < out.frames.size(); ++k) {
+    const std::string time = formatTumPose(out.frames[k], SE3());
+    const std::string path = folder + "/masks_hand/" + time.substr(0, time.find(' ')) + ".png";
+    if (!std::filesystem::exists(path)) continue;
+    const Image<std::uint8_t> hand =
+        readGreyImage(path, out.masks[k].width(), out.masks[k].height());
+    const PixelCounts counts = countPixels(hand, out.masks[k]);
+    ++compared;
+    iou += counts.iou();
+    if (counts.dynamicAccuracy() > 0.5 && counts.staticAccuracy() > 0.7) ++found;
+  }
+  ASSERT_GE(compared, 5);
+  EXPECT_GE(found, compared - 1) << "most of both people's pixels in most frames";
+  EXPECT_GT(iou / compared, 0.6);
+}
+
+}  // namespace
+}  // namespace rf

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The default mode on a cut of a simulated sequence that holds the onset, under the paper's drift.
+#include <gtest/gtest.h>
+
+#include "datasets/image_files.hpp"
+#include "geometry/parallel.hpp"
+#include "priors/simulated_drift.hpp"
+#include "sequence_run.hpp"
+#include "simulation/depth_sensor.hpp"
+#include "simulation/simulator.hpp"
+
+namespace rf {
+namespace {
+
+constexpr int kFirst = 24;  // the object starts about frame 36
+constexpr int kFrames = 60;
+constexpr std::uint64_t kSeed = 41;
+
+struct Rendered {
+  std::vector<RgbdFrame> frames;
+  std::vector<Image<std::uint8_t>> truth;
+  std::vector<double> speed;
+  Trajectory camera, object, camera_prior, object_prior;
+  Camera model;
+};
+
+Rendered render() {
+  const sim::Simulator simulator("overtake", kSeed);
+  Rendered out;
+  out.model = simulator.world().camera;
+  setThreads(2);
+  for (int k = 0; k < kFrames; ++k) {
+    sim::SimulatedFrame f = simulator.frame(kFirst + k);
+    RgbdFrame frame;
+    frame.utime = frame.colour_utime = f.utime;
+    frame.seq = k;
+    frame.colour = std::move(f.colour);
+    frame.depth_mm = depthToMillimetres(f.depth, sim::kDepthFactor);
+    out.frames.push_back(std::move(frame));
+    out.truth.push_back(std::move(f.mask));
+    out.speed.push_back(f.object_speed_mps);
+    out.camera.push_back({f.utime, f.T_WC});
+    out.object.push_back({f.utime, f.T_WB[1]});
+  }
+  setThreads(1);
+  out.camera_prior = withDrift(out.camera, {0.06, 0.4, kSeed, DriftStream::kCamera});
+  out.object_prior = withDrift(out.object, {0.015, 0.1, kSeed, DriftStream::kObject});
+  return out;
+}
+
+const Rendered& scene() {
+  static const Rendered instance = render();
+  return instance;
+}
+
+enum class Priors { kBoth, kCameraOnly };
+
+SequenceRun run(int threads, Priors priors, const std::string& mode = "rigidfusion") {
+  setThreads(threads);
+  PipelineConfig config;
+  config.segmentation.mode = mode;
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(scene().camera_prior);
+  if (priors == Priors::kBoth) prior.addObjectPoses(scene().object_prior);
+  std::size_t at = 0;
+  const SequenceRun out =
+      runSequence(scene().model, config, prior, [&]() -> std::optional<RgbdFrame> {
+        if (at == scene().frames.size()) return std::nullopt;
+        return scene().frames[at++];
+      });
+  setThreads(1);
+  return out;
+}
+
+double cm(const ErrorStatistics& e) { return 100 * e.rmse; }
+
+TEST(SimulatedSequence, DefaultModeBeatsItsPriorAndFindsTheObject) {
+  const SequenceRun out = run(2, Priors::kBoth);
+  const TrajectoryScore camera = scoreCamera(out.camera, scene().camera, out.frames);
+  const TrajectoryScore prior = scoreCamera(scene().camera_prior, scene().camera, out.frames);
+  EXPECT_LT(cm(camera.ate_first), cm(prior.ate_first));
+  EXPECT_LT(cm(camera.ate_first), 3.0);
+  EXPECT_EQ(camera.coverage, 1.0);
+  std::vector<PixelCounts> counts;
+  for (std::size_t k = 0; k < out.masks.size(); ++k) {
+    if (scene().speed[k] > 0.03) counts.push_back(countPixels(scene().truth[k], out.masks[k]));
+  }
+  ASSERT_GT(counts.size(), 20U);
+  const SegmentationScore score = scoreSegmentation(counts, 0);
+  EXPECT_GT(score.iou, 0.8);
+  EXPECT_GT(score.static_accuracy, 0.9);
+  const SE3 world = alignFirstPose(matchPoses(out.camera, scene().camera));
+  const TrajectoryScore object = scoreObject(out.object, scene().object, out.frames, world);
+  EXPECT_LT(cm(object.ate_first), 3.0);
+}
+
+TEST(SimulatedSequence, OneAndTwoThreadsGiveTheSameBits) {
+  const SequenceRun one = run(1, Priors::kBoth);
+  const SequenceRun two = run(2, Priors::kBoth);
+  EXPECT_EQ(one.camera, two.camera);
+  EXPECT_EQ(one.object, two.object);
+  EXPECT_EQ(one.masks, two.masks);
+}
+
+TEST(SimulatedSequence, EveryModeRunsAndCoversEveryFrame) {
+  for (const char* mode : {"rigidfusion-paper", "static", "static-prior", "vo"}) {
+    const SequenceRun out = run(2, Priors::kBoth, mode);
+    EXPECT_EQ(out.camera.size(), scene().frames.size()) << mode;
+  }
+}
+
+TEST(SimulatedSequence, WithoutAnObjectPriorTheOutlierRuleFindsTheObject) {
+  const SequenceRun out = run(2, Priors::kCameraOnly);
+  std::vector<PixelCounts> counts;
+  for (std::size_t k = 0; k < out.masks.size(); ++k) {
+    if (scene().speed[k] > 0.1) counts.push_back(countPixels(scene().truth[k], out.masks[k]));
+  }
+  EXPECT_GT(scoreSegmentation(counts, 0).iou, 0.5);
+}
+
+}  // namespace
+}  // namespace rf
