@@ -18,7 +18,9 @@ target_compile_options(rf_options INTERFACE
   $<$<CONFIG:Release>:-O3>)
 target_include_directories(rf_options INTERFACE ${PROJECT_SOURCE_DIR}/common)
 if(RF_SANITIZE)
-  target_compile_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # gcc 12 reports the standard library's own members as uninitialised once it instruments them.
+  target_compile_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE})
 endif()
 

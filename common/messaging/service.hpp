@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -17,6 +16,10 @@
 #include "messaging/conversions.hpp"
 #include "messaging/inbox.hpp"
 #include "messaging/monitor.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace rf {
 

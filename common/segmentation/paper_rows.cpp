@@ -46,7 +46,7 @@ class Warp {
   Warp(const RgbdLevel& a, const RgbdLevel& b, const SE3& T_AB, const PaperConfig& config)
       : a_(a),
         b_(b),
-        R_(T_AB.R().cast<float>()),
+        R_AB_(T_AB.R().cast<float>()),
         t_(T_AB.t.cast<float>()),
         fx_(static_cast<float>(a.camera.fx)),
         fy_(static_cast<float>(a.camera.fy)),
@@ -57,7 +57,7 @@ class Warp {
 
   /// True when the pixel has a pair; intensity of A there, and A's depth brought into B.
   bool operator()(float ray_x, float ray_y, float z_b, float& intensity, float& depth) const {
-    const Eigen::Vector3f p = R_ * Eigen::Vector3f(ray_x * z_b, ray_y * z_b, z_b) + t_;
+    const Eigen::Vector3f p = R_AB_ * Eigen::Vector3f(ray_x * z_b, ray_y * z_b, z_b) + t_;
     if (!(z_b > 0) || !(p.z() > 0.1F)) return false;
     const float iz = 1.0F / p.z();
     const float ua = fx_ * p.x() * iz + cx_, va = fy_ * p.y() * iz + cy_;
@@ -88,7 +88,7 @@ class Warp {
   }
   const RgbdLevel& a_;
   const RgbdLevel& b_;
-  Eigen::Matrix3f R_;
+  Eigen::Matrix3f R_AB_;
   Eigen::Vector3f t_;
   float fx_, fy_, cx_, cy_, spread_, gate_;
 };

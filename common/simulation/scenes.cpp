@@ -44,13 +44,13 @@ Profile cruise(double begin, double end) {
   return Profile({{begin, 0}, {begin + 1.2, 1}, {end - 1.2, 1}, {end, 0}});
 }
 
-void setCamera(World& world, double height, double down, std::function<Place(double)> place,
-               std::function<double(double)> yaw) {
+void setCamera(World& world, double height, double down, const std::function<Place(double)>& place,
+               const std::function<double(double)>& yaw) {
   world.camera_at = [=](double t) { return cameraPose(place(t), height, yaw(t), down); };
 }
 
-void addMotion(World& world, std::function<Place(double)> place,
-               std::function<double(double)> yaw) {
+void addMotion(World& world, const std::function<Place(double)>& place,
+               const std::function<double(double)>& yaw) {
   world.body_at.emplace_back([=](double t) { return bodyPose(place(t), yaw(t)); });
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+
 #include "fuse_node.hpp"
 #include "geometry/parallel.hpp"
 #include "messaging/service_config.hpp"

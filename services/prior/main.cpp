@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+
 #include "datasets/trajectory.hpp"
 #include "messaging/service_config.hpp"
 #include "prior_node.hpp"
@@ -14,7 +16,7 @@ struct Files {
 };
 
 rf::Trajectory readDrifted(const std::string& path, const Files& files, rf::DriftStream stream) {
-  const rf::Trajectory trajectory = rf::readTrajectory(path);
+  rf::Trajectory trajectory = rf::readTrajectory(path);
   const std::size_t at = stream == rf::DriftStream::kCamera ? 0 : 2;
   if (files.drift.size() < at + 2) return trajectory;
   return rf::withDrift(trajectory,

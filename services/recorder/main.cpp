@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+
 #include "messaging/service_config.hpp"
 #include "record_node.hpp"
 

@@ -119,6 +119,8 @@ std::vector<double> solveWithCeres(const Problem& p) {
     options.max_num_iterations = 200;
     options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-16;
     options.initial_trust_region_radius = 1e12;
+    // A projected Newton step that does not descend shrinks the region; from 1e12 that takes many.
+    options.max_num_consecutive_invalid_steps = 100;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);

@@ -35,6 +35,7 @@ Child::Child(std::string name, const std::vector<std::string>& arguments,
              const std::string& log_path)
     : name_(std::move(name)), log_path_(log_path) {
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   if (access(argv[0], X_OK) != 0) throw std::runtime_error(arguments[0] + ": no such program");

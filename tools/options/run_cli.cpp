@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/run_cli.hpp"
 
+#include <CLI/CLI.hpp>
+
 namespace rf {
 
 void addRunOptions(CLI::App& app, RunOptions& options) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rf-replay: feeds running services from a recorded log, losslessly.
+#include <CLI/CLI.hpp>
+
 #include "messaging/service_config.hpp"
 #include "replay_node.hpp"
 
