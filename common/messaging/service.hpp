@@ -17,7 +17,7 @@
 #include "messaging/inbox.hpp"
 #include "messaging/monitor.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
 

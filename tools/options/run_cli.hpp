@@ -3,7 +3,7 @@
 
 #include "pipeline/run_options.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
 
