@@ -14,7 +14,7 @@ namespace rf {
 
 /// K-means over-segmentation (paper section III, algorithm A.2).
 struct ClusterParams {
-  int count = 24;             ///< K
+  int count = 96;             ///< K; the paper's 24 are too coarse for small and far objects
   int iterations = 9;         ///< Lloyd iterations at most
   double tolerance_m = 0.01;  ///< stop when no centre coordinate moves more
   double contact_m = 0.015;   ///< neighbouring pixels closer than this join clusters, at 240 rows

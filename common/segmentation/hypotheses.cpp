@@ -38,15 +38,28 @@ class Readings {
   }
 
   /// All pixels as one body, the camera prior almost ignored.
-  SE3 dominantMotion() const {
+  JointFit dominantMotion() const {
     JointState start = in_.continued;
     start.T_s = in_.window_prior.T_s;
     start.one_body = true;
     JointPrior weak = in_.window_prior;
     weak.information_s *= decision_.dominant_prior;
     return solveJoint(in_.level, start, weak, in_.warped, *in_.adjacency, params_, terms_,
-                      decision_.dominant_iterations)
-        .state.T_s;
+                      decision_.dominant_iterations);
+  }
+
+  /// The dominant motion is the body's, nothing is known of the body: the world is what that motion
+  /// does not explain, and moves as the camera prior says.
+  Candidate bodyDominant(const JointFit& dominant) const {
+    const ClusterEnergies e = clusterEnergies(in_.level, dominant, dominant.state.c);
+    const double limit = medianEnergy(e) + params_.outlier_margin;
+    JointState start;
+    start.T_s = in_.window_prior.T_s;
+    start.T_d = dominant.state.T_s;
+    for (const double energy : e.static_energy) start.gamma.push_back(energy > limit ? 1.0F : 0.0F);
+    const JointFit split = solveJoint(in_.level, start, in_.window_prior, weak_, *in_.adjacency,
+                                      params_, terms_, decision_.iterations, true);
+    return {"object-dominant", solve(split.state, in_.window_prior, weak_), false};
   }
 
   Candidate fromMotions(const std::string& name, const SE3& T_s, const SE3& T_d) const {
@@ -78,6 +91,23 @@ class Readings {
   }
 
  private:
+  /// Over the pixels, of their clusters' energies as static.
+  static double medianEnergy(const ClusterEnergies& e) {
+    std::vector<std::pair<double, int>> sorted;
+    int total = 0;
+    for (std::size_t k = 0; k < e.pixels.size(); ++k) {
+      sorted.emplace_back(e.static_energy[k], e.pixels[k]);
+      total += e.pixels[k];
+    }
+    std::sort(sorted.begin(), sorted.end());
+    int below = 0;
+    for (const auto& [energy, pixels] : sorted) {
+      below += pixels;
+      if (2 * below >= total) return energy;
+    }
+    return 0;
+  }
+
   JointFit solve(const JointState& start, const JointPrior& prior, const ScorePrior& scores) const {
     return solveJoint(in_.level, start, prior, scores, *in_.adjacency, params_, terms_,
                       decision_.iterations);
@@ -104,14 +134,17 @@ double staticShare(const JointLevel& level, const std::vector<float>& gamma) {
 }  // namespace
 
 Decision decide(const DecisionInput& input, const JointParams& params,
-                const DecisionParams& decision, const ImageTermParams& terms) {
+                const DecisionParams& decision, const ImageTermParams& terms,
+                const MapEvidenceParams& map) {
   const Readings readings(input, params, decision, terms);
   std::vector<Candidate> candidates;
   candidates.push_back(readings.continued());
   candidates.push_back(readings.oneBody());
-  const SE3 L = readings.dominantMotion();
+  const JointFit dominant = readings.dominantMotion();
+  const SE3& L = dominant.state.T_s;
   if (input.window_prior.outlier_class) {
     candidates.push_back(readings.fromMotions("outliers", L, L));
+    if (input.camera_measured) candidates.push_back(readings.bodyDominant(dominant));
   } else {
     candidates.push_back(
         readings.fromMotions("camera-dominant", L, input.window_prior.expectedObject(L)));
@@ -133,6 +166,13 @@ Decision decide(const DecisionInput& input, const JointParams& params,
     const double image =
         scale * imageEnergy(input.level, candidate.fit, input.window_prior, params, c);
     double energy = image + input.window_prior.cost(state.T_s, state.T_d);
+    if (input.map != nullptr && map.decision_weight > 0) {
+      const MapReading reading{input.T_MA_static * state.T_s, input.T_MA_object * state.T_d,
+                               &state.gamma};
+      energy += map.decision_weight * scale *
+                mapEnergy(*input.map, *input.level.b, *input.level.label, reading, terms, map,
+                          params.outlier_margin);
+    }
     if (i == 0) continue_image = image;
     if (state.one_body) {
       best.one_body_energy = energy;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "segmentation/joint_solver.hpp"
+#include "segmentation/map_evidence.hpp"
 
 namespace rf {
 
@@ -43,12 +44,15 @@ struct DecisionParams {
 
 /// What is known before the decision.
 struct DecisionInput {
-  JointLevel level;         ///< the coarse level
-  JointState continued;     ///< chained estimate plus one prior step, gamma = warped scores
-  JointPrior step_prior;    ///< around the chained estimate: one step's covariance
-  JointPrior window_prior;  ///< product of accepted prior increments over the window
-  ScorePrior warped;        ///< S_T
+  JointLevel level;              ///< the coarse level
+  JointState continued;          ///< chained estimate plus one prior step, gamma = warped scores
+  JointPrior step_prior;         ///< around the chained estimate: one step's covariance
+  JointPrior window_prior;       ///< product of accepted prior increments over the window
+  ScorePrior warped;             ///< S_T
+  bool camera_measured = false;  ///< the camera prior comes from a source, not from its own past
   const Adjacency* adjacency = nullptr;
+  const MapView* map = nullptr;  ///< both models, if they are known
+  SE3 T_MA_static, T_MA_object;  ///< C_A -> C_M of the static world and of the body
 };
 
 /// The winning reading of the frame.
@@ -65,6 +69,7 @@ struct Decision {
 /// energy (image plus window priors plus charges) wins. The two readings of the dominant motion are
 /// what finds an object that covers most of the view (algorithm G, Q2).
 Decision decide(const DecisionInput& input, const JointParams& params,
-                const DecisionParams& decision, const ImageTermParams& terms);
+                const DecisionParams& decision, const ImageTermParams& terms,
+                const MapEvidenceParams& map);
 
 }  // namespace rf

@@ -171,29 +171,36 @@ Vec6 boundedStep(Vec6 step) {
   return scale > 1.0 ? Vec6(step / scale) : step;
 }
 
-std::vector<float> scoreStep(const ClusterEnergies& energies, const JointPrior& prior,
-                             const ScorePrior& scores, const Adjacency& adjacency,
-                             const JointParams& params, const std::vector<float>& gamma) {
-  const std::size_t count = scores.target.size();
-  // The static world's mean energy: what an explained cluster costs.
-  double static_mean = 0;
+/// Without an object prior a cluster may leave the static world although no body explains it: its
+/// energy as a part of the body is capped above what an explained cluster costs.
+void capObjectEnergies(const JointPrior& prior, const JointParams& params,
+                       const std::vector<float>& gamma, ClusterEnergies& energies) {
+  if (!prior.outlier_class) return;
+  double sum = 0;
   double weight = 0;
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < energies.pixels.size(); ++k) {
     const double w = energies.pixels[k] * (gamma.empty() ? 1.0 : static_cast<double>(gamma[k]));
-    static_mean += w * energies.static_energy[k];
+    sum += w * energies.static_energy[k];
     weight += w;
   }
-  static_mean = weight > 0 ? static_mean / weight : 0;
-  std::vector<double> delta(count, 0.0);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (energies.pixels[k] == 0) continue;
-    double object_energy = energies.object_energy[k];
-    if (prior.outlier_class) {
-      object_energy = std::min(object_energy, static_mean + params.outlier_margin);
-    }
-    delta[k] = energies.static_energy[k] - object_energy;
+  const double cap = (weight > 0 ? sum / weight : 0) + params.outlier_margin;
+  for (double& e : energies.object_energy) e = std::min(e, cap);
+}
+
+std::vector<double> differences(const ClusterEnergies& energies) {
+  std::vector<double> delta(energies.pixels.size(), 0.0);
+  for (std::size_t k = 0; k < delta.size(); ++k) {
+    if (energies.pixels[k] > 0) delta[k] = energies.static_energy[k] - energies.object_energy[k];
   }
-  return solveScores(delta, scores.target, scores.weight, adjacency, params.lambda_r);
+  return delta;
+}
+
+std::vector<float> scoreStep(ClusterEnergies energies, const JointPrior& prior,
+                             const ScorePrior& scores, const Adjacency& adjacency,
+                             const JointParams& params, const std::vector<float>& gamma) {
+  capObjectEnergies(prior, params, gamma, energies);
+  return solveScores(differences(energies), scores.target, scores.weight, adjacency,
+                     params.lambda_r);
 }
 
 }  // namespace
@@ -227,26 +234,25 @@ ClusterEnergies clusterEnergies(const JointLevel& level, const JointFit& fit, do
 
 double imageEnergy(const JointLevel& level, const JointFit& fit, const JointPrior& prior,
                    const JointParams& params, double c) {
-  const ClusterEnergies e = clusterEnergies(level, fit, c);
-  double static_mean = 0;
-  double static_weight = 0;
-  for (std::size_t k = 0; k < e.pixels.size(); ++k) {
-    const double w = e.pixels[k] * static_cast<double>(fit.state.gamma[k]);
-    static_mean += w * e.static_energy[k];
-    static_weight += w;
-  }
-  static_mean = static_weight > 0 ? static_mean / static_weight : 0;
-  const bool outliers = prior.outlier_class && static_weight > 0;
+  ClusterEnergies e = clusterEnergies(level, fit, c);
+  const bool nothing_static =
+      std::none_of(fit.state.gamma.begin(), fit.state.gamma.end(), [](float g) { return g > 0; });
+  if (!nothing_static) capObjectEnergies(prior, params, fit.state.gamma, e);
   double total = 0;
   double pixels = 0;
   for (std::size_t k = 0; k < e.pixels.size(); ++k) {
     const double g = static_cast<double>(fit.state.gamma[k]);
-    double object_energy = e.object_energy[k];
-    if (outliers) object_energy = std::min(object_energy, static_mean + params.outlier_margin);
-    total += e.pixels[k] * (g * e.static_energy[k] + (1 - g) * object_energy);
+    total += e.pixels[k] * (g * e.static_energy[k] + (1 - g) * e.object_energy[k]);
     pixels += e.pixels[k];
   }
   return pixels > 0 ? total / pixels : 0;
+}
+
+std::vector<double> bodyAdvantages(const JointLevel& level, const JointFit& fit,
+                                   const JointPrior& prior, const JointParams& params) {
+  ClusterEnergies e = clusterEnergies(level, fit, fit.state.c);
+  capObjectEnergies(prior, params, fit.state.gamma, e);
+  return differences(e);
 }
 
 std::vector<float> scoresFromMotions(const JointLevel& level, const JointState& motions,

@@ -86,6 +86,11 @@ ClusterEnergies clusterEnergies(const JointLevel& level, const JointFit& fit, do
 double imageEnergy(const JointLevel& level, const JointFit& fit, const JointPrior& prior,
                    const JointParams& params, double c);
 
+/// Log energy that each cluster saves as a part of the body at the fit's motions, the body's energy
+/// capped as above; 0 where a cluster has no pixels.
+std::vector<double> bodyAdvantages(const JointLevel& level, const JointFit& fit,
+                                   const JointPrior& prior, const JointParams& params);
+
 /// Scores from the residuals at two given motions alone (for hypotheses that know motions, not
 /// labels).
 std::vector<float> scoresFromMotions(const JointLevel& level, const JointState& motions,

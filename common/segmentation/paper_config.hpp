@@ -6,6 +6,7 @@ namespace rf {
 /// Parameters of the modes that follow the publications: rigidfusion-paper, static, static-prior,
 /// vo. Sources and the measured reasons of our choices: docs/ALGORITHM.md, "Paper mode".
 struct PaperConfig {
+  int clusters = 24;               ///< K
   int levels = 5;                  ///< from the working resolution down
   double lambda_r = 2;             ///< weight of S_R and S_T (paper, section VI)
   double lambda_s = 1;             ///< weight of the static prior when it is on
@@ -28,6 +29,7 @@ struct PaperConfig {
 
   template <class V>
   void visit(V& v) {
+    v("clusters", clusters, 1, 250, "-", "clusters a frame (K)");
     v("levels", levels, 1, 8, "-", "pyramid levels from the working resolution down");
     v("lambda_r", lambda_r, 1e-3, 100.0, "-", "weight of both score regularisers");
     v("lambda_s", lambda_s, 0.0, 1e6, "-", "weight of the static prior when it is on");

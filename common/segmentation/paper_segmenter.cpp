@@ -327,7 +327,9 @@ SegmentationResult PaperSegmenter::Impl::process(const RgbdFrame& frame, const M
   now.pyramid = buildPyramid(std::move(finest), paper.levels);
   SegmentationResult out;
   watch.lap("prepare", out.stage_ms);
-  const Clusters clusters = clusterFrame(now.pyramid, config.clusters);
+  ClusterParams cluster_params = config.clusters;
+  cluster_params.count = config.paper.clusters;
+  const Clusters clusters = clusterFrame(now.pyramid, cluster_params);
   watch.lap("cluster", out.stage_ms);
 
   out.utime = frame.utime;

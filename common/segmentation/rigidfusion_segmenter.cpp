@@ -11,6 +11,7 @@
 #include "geometry/undistort.hpp"
 #include "segmentation/clusters.hpp"
 #include "segmentation/hypotheses.hpp"
+#include "segmentation/map_evidence.hpp"
 #include "segmentation/prior_filter.hpp"
 
 namespace rf {
@@ -24,6 +25,7 @@ struct Past {
   std::int64_t utime = 0;
   bool usable = false;            ///< had enough depth
   std::vector<TermLevel> levels;  ///< [kMaskLevel..kCoarseLevel]; the mask level stays empty
+  Image<float> mask_depth;        ///< at the mask level, only while the frame is the newest
   SE3 T_WC, T_CO;                 ///< own bookkeeping, refined by feedback
   Increment camera;               ///< accepted prior increment from the frame before
   Increment object;               ///< the same: T_Oa^-1 T_Ob, or T(xi_d) from kinematics
@@ -45,6 +47,13 @@ class Clock {
 Mat6 inverseOf(const Mat6& covariance) {
   const Mat6 regular = covariance + 1e-12 * Mat6::Identity();
   return regular.ldlt().solve(Mat6::Identity());
+}
+
+/// Whether a camera may see a body there: what a start pose is checked by when nothing else can.
+bool inView(const Vec3& t_CO) {
+  constexpr double kFarthest = 8.0;  // metres, beyond any structured-light sensor
+  constexpr double kWidest = 1.5;    // tangent, beyond any such camera's half angle
+  return t_CO.z() > 0.1 && t_CO.z() < kFarthest && t_CO.head<2>().norm() < kWidest * t_CO.z();
 }
 
 float lookUp(const Image<std::uint8_t>& scores, const Camera& camera, const Vec3& p) {
@@ -119,17 +128,20 @@ struct RigidFusionSegmenter::Impl {
   Camera camera;
   Undistorter undistorter;
   PriorFilter camera_filter, object_filter;
-  std::deque<Past> past;  ///< oldest first
+  std::deque<Past> past;       ///< oldest first
+  std::optional<MapView> map;  ///< both models as seen from ...
+  SE3 T_WM, T_MO;              ///< ... this camera, and where the body was then
   std::optional<SE3> last_camera_step;
   std::optional<SE3> last_object_step;    ///< T_Oa^-1 T_Ob in the world
   std::optional<SE3> last_object_motion;  ///< T(xi_d)
   bool object_prior_seen = false;
+  bool object_anchored = true;    ///< the object prior's world is known to be the camera's
   bool kinematic_object = false;  ///< the prior is T_CO, independent of the camera's own motion
 
   SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
                              const ModelState* feedback);
   void applyFeedback(const ModelState* feedback);
-  void startPoses(const MotionPrior& prior, Past& now) const;
+  void startPoses(const MotionPrior& prior, Past& now);
   void acceptPriors(const MotionPrior& prior, Past& now);
   const Past* reference(const Past& now) const;
   JointPrior windowPrior(const Past& reference, const Past& now) const;
@@ -143,6 +155,7 @@ struct RigidFusionSegmenter::Impl {
 };
 
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
+  map.reset();
   if (feedback == nullptr || past.empty() || !config.use_feedback) return;
   for (Past& p : past) {
     if (p.utime != feedback->utime) continue;
@@ -153,17 +166,25 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
           feedback->object.health == Health::kTracked) {
         p.T_CO = p.T_WC.inverse() * feedback->object.T_W;
       }
+      if (feedback->object_exists && config.map.weight > 0) {
+        map = MapView{camera.undistorted().reduced(feedback->reduction),
+                      feedback->predicted_depth_mm, feedback->body};
+        T_WM = p.T_WC;
+        T_MO = p.T_CO;
+      }
     }
   }
 }
 
-void RigidFusionSegmenter::Impl::startPoses(const MotionPrior& prior, Past& now) const {
+void RigidFusionSegmenter::Impl::startPoses(const MotionPrior& prior, Past& now) {
   if (prior.camera != PriorState::kMissing) now.T_WC = prior.T_WCb;
   if (prior.object == PriorState::kMissing) return;
   if (prior.object_kind == ObjectPriorKind::kCameraFrame) {
     now.T_CO = prior.T_XOb;
   } else if (prior.object_kind == ObjectPriorKind::kWorldFrame) {
     now.T_CO = now.T_WC.inverse() * prior.T_XOb;  // both sources as given, before any drift
+    // Without a camera pose the object's world may be any: its directions would be noise.
+    object_anchored = prior.camera != PriorState::kMissing || inView(now.T_CO.t);
   }
 }
 
@@ -172,7 +193,8 @@ void RigidFusionSegmenter::Impl::acceptPriors(const MotionPrior& prior, Past& no
   if (prior.camera != PriorState::kMissing) camera_prior = prior.T_CaCb;
   now.camera = camera_filter.accept(camera_prior, prior.camera_cov, last_camera_step);
   std::optional<SE3> object_prior;
-  if (prior.object != PriorState::kMissing && prior.object_kind != ObjectPriorKind::kNone) {
+  if (object_anchored && prior.object != PriorState::kMissing &&
+      prior.object_kind != ObjectPriorKind::kNone) {
     kinematic_object = prior.object_kind == ObjectPriorKind::kCameraFrame;
     object_prior = kinematic_object ? prior.T_XOa * prior.T_XOb.inverse()
                                     : prior.T_XOa.inverse() * prior.T_XOb;
@@ -271,6 +293,7 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
   input.window_prior = windowPrior(ref, now);
   input.step_prior = stepPrior(ref, now);
   input.adjacency = &clusters.adjacency;
+  input.camera_measured = now.camera.measured;
   const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
   const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
   input.continued.T_s = input.step_prior.T_s;
@@ -284,7 +307,12 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
       last.memory, mask_camera, now.levels[kCoarseLevel], clusters.label[kCoarseLevel], count,
       chain_s.inverse() * input.continued.T_s, chain_d.inverse() * input.continued.T_d);
   input.continued.gamma = input.warped.target;
-  Decision decision = decide(input, config.joint, config.decision, config.terms);
+  if (map) {
+    input.map = &*map;
+    input.T_MA_static = T_WM.inverse() * ref.T_WC;
+    input.T_MA_object = T_MO * ref.T_CO.inverse();
+  }
+  const Decision decision = decide(input, config.joint, config.decision, config.terms, config.map);
   clock.lap("decide", out.stage_ms);
 
   const JointLevel fine{&ref.levels[kFineLevel], &now.levels[kFineLevel],
@@ -292,6 +320,16 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
   const JointPrior& prior = decision.continued ? input.step_prior : input.window_prior;
   ScorePrior scores = input.warped;
   if (!decision.continued) scores.target = decision.fit.state.gamma;
+  if (map && !decision.fit.state.one_body) {
+    const JointState& found = decision.fit.state;
+    const Image<MapWitness> witnesses =
+        mapWitnesses(*map, now.levels[kFineLevel].camera, now.levels[kFineLevel].depth,
+                     T_WM.inverse() * ref.T_WC * found.T_s, T_MO * ref.T_CO.inverse() * found.T_d,
+                     config.terms, config.map);
+    addMapEvidence(witnesses, *fine.label,
+                   bodyAdvantages(input.level, decision.fit, prior, config.joint), config.map,
+                   scores);
+  }
   const JointFit fit = solveJoint(fine, decision.fit.state, prior, scores, clusters.adjacency,
                                   config.joint, config.terms, config.fine_iterations);
   clock.lap("refine", out.stage_ms);
@@ -316,6 +354,14 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
   }
   out.label = clusters.label[kMaskLevel];
   out.score = scoreImage(out.label, out.gamma);
+  if (map && !state.one_body && config.map.pixel_weight > 0) {
+    const Image<MapWitness> witnesses =
+        mapWitnesses(*map, mask_camera, now.mask_depth, T_WM.inverse() * now.T_WC,
+                     T_MO * now.T_CO.inverse(), config.terms, config.map);
+    out.score = refineScores(witnesses, now.mask_depth, out.label, out.gamma,
+                             bodyAdvantages(fine, fit, prior, config.joint), clusters.adjacency,
+                             config.map);
+  }
   out.dynamic_share = share(out.label, out.gamma);
   const double pixels = static_cast<double>(fine.label->size());
   const auto judge = [&](BodyMotion& body, bool prior_used) {
@@ -376,6 +422,7 @@ SegmentationResult RigidFusionSegmenter::Impl::process(const RgbdFrame& frame,
   now.levels.resize(kLevels);
   for (int level = kFineLevel; level < kLevels; ++level)
     now.levels[level] = makeTermLevel(pyramid[level]);
+  now.mask_depth = pyramid[kMaskLevel].depth;
   clock.lap("prepare", out.stage_ms);
   const Clusters clusters = clusterFrame(pyramid, config.clusters);
   clock.lap("cluster", out.stage_ms);
@@ -389,7 +436,7 @@ SegmentationResult RigidFusionSegmenter::Impl::process(const RgbdFrame& frame,
   if (past.empty()) {
     out.first = true;
     startPoses(prior, now);
-    object_prior_seen = prior.object != PriorState::kMissing;
+    object_prior_seen = object_anchored && prior.object != PriorState::kMissing;
     now.memory = out.score;
     out.hypothesis = "first";
     out.camera.health = out.object.health = now.usable ? Health::kTracked : Health::kLost;
@@ -409,6 +456,7 @@ SegmentationResult RigidFusionSegmenter::Impl::process(const RgbdFrame& frame,
   if (out.has_prior_T_WC) out.prior_T_WC = prior.T_WCb;
   out.has_T_CO = object_prior_seen;
   if (out.has_T_CO) out.T_CO = now.T_CO;
+  now.mask_depth = {};
   past.push_back(std::move(now));
   while (past.size() > static_cast<std::size_t>(config.window_frames)) past.pop_front();
   return out;

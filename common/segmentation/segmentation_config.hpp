@@ -7,6 +7,7 @@
 #include "segmentation/hypotheses.hpp"
 #include "segmentation/image_terms.hpp"
 #include "segmentation/joint_solver.hpp"
+#include "segmentation/map_evidence.hpp"
 #include "segmentation/paper_config.hpp"
 
 namespace rf {
@@ -37,6 +38,7 @@ struct SegmentationConfig {
   ImageTermParams terms;
   JointParams joint;
   DecisionParams decision;
+  MapEvidenceParams map;
   ClusterParams clusters;
   PaperConfig paper;
 
@@ -78,6 +80,7 @@ struct SegmentationConfig {
     v("terms", terms, "image residuals");
     v("joint", joint, "joint solve of motions and scores");
     v("decision", decision, "competing readings of a frame");
+    v("map", map, "what the models say of the scores");
     v("clusters", clusters, "K-means clusters");
     v("paper", paper, "modes that follow the publications");
   }

@@ -47,7 +47,7 @@ RgbdLevel boxAndWall(int width, int height, unsigned seed) {
 TEST(Clusters, LabelsAreNearestCentresOnEveryLevel) {
   const auto pyramid = buildPyramid(boxAndWall(160, 120, 3), 3);
   const Clusters c = clusterFrame(pyramid, {});
-  ASSERT_EQ(c.centres.size(), 24u);
+  ASSERT_EQ(c.centres.size(), static_cast<std::size_t>(ClusterParams{}.count));
   ASSERT_EQ(c.label.size(), 3u);
   for (std::size_t l = 0; l < 3; ++l) {
     const RgbdLevel& level = pyramid[l];
