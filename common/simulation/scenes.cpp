@@ -219,7 +219,7 @@ const std::vector<SceneInfo>& scenes() {
         {"held", 360, "camera rests, a hand waves a carton close to it"},
         {"loop", 450, "nothing moves but the camera: a circle with a full turn, closed"},
         {"two_objects", 450, "camera moves sideways, two stacks move independently"}};
-    for (const int share : {30, 40, 50, 55, 60, 65, 70, 75, 80, 85}) {
+    for (const int share : {14, 30, 40, 43, 50, 55, 60, 65, 70, 72, 75, 80, 85}) {
       out.push_back({"size0" + std::to_string(share), 180,
                      "a broad stack passes close by, about " + std::to_string(share) +
                          " % of the valid pixels"});

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether health says what happens: injected events, poses that are off, covariances that fit the errors."""
+from .. import derive, measures, stats, tables
+from ..report import bars
+from ..runs import Case, Run
+
+TITLE = "Health: events reported, poses off while tracked, consistency"
+
+SCENES = ("overtake", "sideway")
+UNDISTURBED = "none"
+
+
+def cases(plan):
+    events = (UNDISTURBED, "lens covered") if plan.quick else (UNDISTURBED,) + derive.EVENTS
+    return [Case.of(Run(plan.sequence(scene, seed), event="" if event == UNDISTURBED else event),
+                    scene=scene, event=event, seed=seed)
+            for scene in plan.choose(SCENES, quick=("sideway",)) for seed in plan.seeds for event in events]
+
+
+def measure(finished, row):
+    frames = finished.each_frame()
+    result = {f"share_{state}": stats.share(f["health"] == state for f in frames)
+              for state in ("tracked", "degraded", "prior-only", "lost")}
+    event_frame = finished.sequence.get("event_frame")
+    if event_frame is None:
+        return {**result, "event_frame": None, "report_delay": None, "reported": None}
+    delay = measures.report_delay(frames, event_frame)
+    before = stats.share(f["health"] != "tracked" for f in frames[event_frame - 30:event_frame])
+    return {**result, "event_frame": event_frame, "report_delay": delay, "reported": delay is not None,
+            "false_alarms_before": before}
+
+
+def report(rows, out):
+    out.text("Lens covered: black colour and no depth for 15 frames. Black colour: 10 frames. Depth gone: 15 frames. "
+             "Teleport: the camera stands a metre further on, the priors do not notice. Reported: camera health is "
+             "not `tracked` within 5 frames. Off: frames with an error above 10 cm (first pose) while health says "
+             "tracked. NEES: normalised error squared per degree of freedom, 1 when covariances are right.")
+    out.table([r for r in rows if r["event"] != UNDISTURBED], ("event",),
+              [("reported", tables.per_cent("reported")), ("delay, frames", "report_delay", 0),
+               ("not tracked in the second before", "false_alarms_before", 2)])
+    out.table(rows, ("scene", "event"),
+              [("off while tracked", tables.total("off_while_tracked")), ("tracked", "share_tracked", 3),
+               ("degraded", "share_degraded", 3), ("prior-only", "share_prior-only", 3), ("lost", "share_lost", 3),
+               ("ATE 1st, cm", "camera_ate_first_cm", 2), ("NEES camera", "camera_nees", 2),
+               ("NEES object", "object_nees", 2)])
+    out.plot("tracked", bars, rows, "event", "scene", "share_tracked", "share of frames that are tracked")
