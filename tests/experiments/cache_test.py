@@ -4,17 +4,21 @@ import dataclasses
 import json
 import os
 import pathlib
+import signal
+import subprocess
 import tempfile
 import threading
 import time
 import unittest
 
+import rf_experiments
 from rf_experiments.cache import Cache
 from rf_experiments.children import Children, ProgramFailed, Stopped
 from rf_experiments.execute import Executor
 from rf_experiments.runs import Run, Sequence
 from rf_experiments.sequences import Sequences
 
+TOOL = pathlib.Path(rf_experiments.__file__).parent.parent / "rf-experiments"
 PROGRAMS = {
     # writes three frames and counts its calls
     "rf-simulate": """
@@ -128,6 +132,20 @@ class Workshop(unittest.TestCase):
         self.assertLess(time.monotonic() - begin, 20)
         self.assertEqual([tool.cache.load(r) is not None for r in wanted], [True, False, False])
         self.assertEqual([n for n in os.listdir(tool.cache.folder) if n.startswith(".")], [])
+
+    def test_signals_end_the_tool_and_its_programs(self):
+        (self.bin / "rf-run").write_text('#!/bin/sh\necho $$ >"$(dirname "$0")/pid"\nexec sleep 60\n')
+        for sent in (signal.SIGINT, signal.SIGTERM):
+            tool = subprocess.Popen([TOOL, "--bin", self.bin, "--output", self.folder / "out", "--only", "held",
+                                     "--seeds", "1"], stderr=subprocess.DEVNULL)
+            pid = self.bin / "pid"
+            while not (pid.exists() and pid.read_text().strip()):
+                time.sleep(0.05)
+            tool.send_signal(sent)
+            self.assertEqual(tool.wait(30), 130)
+            self.assertFalse(pathlib.Path("/proc", pid.read_text().strip()).exists())
+            self.assertEqual(list((self.folder / "out/work/cache").iterdir()), [])
+            pid.unlink()
 
     def test_scraps_of_ended_calls_are_removed(self):
         tool = self.tool()

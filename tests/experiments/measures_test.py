@@ -65,7 +65,7 @@ class Files(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             (folder / "evaluation.json").write_text(json.dumps(
-                {"camera": {"ate_first_cm": {"rmse": 1.25}, "nees": {"mean": 1.5},
+                {"camera": {"ate_first_cm": {"rmse": 1.25}, "nees": {"pose": {"mean": 1.5}},
                             "rpe_cm_per_s": {"count": 0, "rmse": 0.0}}, "object": None}))
             (folder / "sequence.json").write_text('{"frames": 2, "camera_path_m": 2.5}')
             (folder / "frames.csv").write_text("utime,health,object_health,segment_ms,fuse_ms\n1000033333,lost,lost,,\n"

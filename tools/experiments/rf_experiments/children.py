@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Programs that are started, and stopped when this one is. They get a session of their own: a signal from
 the terminal must not end rf-run early with a result that looks whole."""
+import os
+import signal
 import subprocess
 import threading
 
@@ -52,9 +54,10 @@ class Children:
 
     @staticmethod
     def end(process):
-        process.terminate()
+        """With what it started: its session is its own."""
+        os.killpg(process.pid, signal.SIGTERM)
         try:
             process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
-            process.kill()
+            os.killpg(process.pid, signal.SIGKILL)
             process.wait()

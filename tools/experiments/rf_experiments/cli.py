@@ -9,8 +9,10 @@ Exit codes: 0 done, 1 a run failed (the others stand in the tables), 2 bad usage
 missing, 130 interrupted.
 """
 import argparse
+import contextlib
 import pathlib
 import shlex
+import signal
 import subprocess
 import sys
 
@@ -89,6 +91,12 @@ def knows(bin_folder):
     return ask
 
 
+def noises(bin_folder):
+    """Factors on the sensor's noise: rf-simulate of an earlier version has no such option."""
+    done = subprocess.run([bin_folder / "rf-simulate", "--help"], capture_output=True, text=True, check=False)
+    return (1.0, 0.5, 2.0) if "--noise" in done.stdout else (1.0,)
+
+
 def recordings_in(folder):
     return tuple(sorted(f.parent.name for f in folder.glob("*/camera.yaml"))) if folder else ()
 
@@ -117,6 +125,18 @@ def write_report(name, experiment, cases, cache, folder):
     out.write([{k: v for k, v in row.items() if k != "finished"} for row in rows])
 
 
+@contextlib.contextmanager
+def stopping_on_signals(children):
+    """SIGINT and SIGTERM ask for a stop; an exception out of Thread.join would lose track of the thread."""
+    kinds = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(kind, lambda *_: children.stop()) for kind in kinds]
+    try:
+        yield
+    finally:
+        for kind, handler in zip(kinds, before):
+            signal.signal(kind, handler)
+
+
 def run(options, plan, chosen):
     cases = {name: experiment.cases(plan) for name, experiment in chosen.items()}
     wanted = [case.run for group in cases.values() for case in group]
@@ -130,7 +150,10 @@ def run(options, plan, chosen):
     sequences = Sequences(options.sequences, options.bin, options.recordings, children,
                           cache.programs["rf-simulate"], options.threads)
     executor = Executor(cache, sequences, children, options.bin, options.threads, options.keep)
-    whole = executor.execute(wanted, options.jobs)
+    with stopping_on_signals(children):
+        whole = executor.execute(wanted, options.jobs)
+    if children.stopping.is_set():
+        return EXIT_INTERRUPTED
     for name, experiment in chosen.items():
         write_report(name, experiment, cases[name], cache, options.output)
     notes = ["quick: cuts of 60 frames, which say that the tool works, not how well the method does"] * options.quick
@@ -169,7 +192,7 @@ def main(arguments, bin_folder, recordings):
     if unknown:
         parser.error(f"--only {','.join(unknown)}: there are {', '.join(ALL)}")
     plan = Plan(options.seeds, options.baseline_seeds, options.scenes, options.quick, knows(options.bin),
-                recordings_in(options.recordings))
+                recordings_in(options.recordings), noises(options.bin))
     try:
         return run(options, plan, {n: e for n, e in ALL.items() if not options.only or n in options.only})
     except KeyboardInterrupt:

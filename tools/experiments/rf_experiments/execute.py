@@ -35,20 +35,11 @@ class Executor:
         workers = [threading.Thread(target=self.work) for _ in range(min(jobs, max(1, self.total)))]
         for worker in workers:
             worker.start()
-        self.join(workers)
+        for worker in workers:
+            worker.join()
+        if self.children.stopping.is_set():
+            self.say("stopped; finished runs are kept")
         return self.done == self.total and not self.failures
-
-    def join(self, workers):
-        try:
-            for worker in workers:
-                while worker.is_alive():
-                    worker.join(0.2)
-        except KeyboardInterrupt:
-            self.say("stopping; finished runs are kept")
-            self.children.stop()
-            for worker in workers:
-                worker.join()
-            raise
 
     def work(self):
         while (run := self.next_run()) is not None:

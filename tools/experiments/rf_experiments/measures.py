@@ -69,8 +69,8 @@ NUMBERS = {
     "object_model_median_cm": ("object_model", "accuracy_median_cm"),
     "object_model_share_2cm": ("object_model", "accuracy_share"),
     "object_model_completeness": ("object_model", "completeness"),
-    "camera_nees": ("camera", "nees", "mean"),
-    "object_nees": ("object", "nees", "mean"),
+    "camera_nees": ("camera", "nees", "pose", "mean"),
+    "object_nees": ("object", "nees", "pose", "mean"),
 }
 
 

@@ -19,12 +19,14 @@ class Sequence:
     seed: int = 1
     start: int = 0
     frames: int = 0  # 0: to the end
+    noise: float = 1.0  # factor on the simulated sensor's noise
     recorded: bool = False  # then scene names a folder of the recordings, and seed seeds the drift alone
 
     @property
     def name(self):
         cut = f"-{self.start}-{self.frames}" if self.start or self.frames else ""
-        return f"{self.scene}-{self.seed}{cut}"
+        noise = f"-noise{self.noise:g}" if self.noise != 1 else ""
+        return f"{self.scene}-{self.seed}{cut}{noise}"
 
 
 @dataclasses.dataclass(frozen=True)

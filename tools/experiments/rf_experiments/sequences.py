@@ -50,9 +50,10 @@ class Sequences:
         shutil.rmtree(aside, ignore_errors=True)
         log = self.folder / f".{sequence.name}-{os.getpid()}.log"
         try:
+            noise = ["--noise", sequence.noise] if sequence.noise != 1 else []
             self.children.call(log, self.bin / "rf-simulate", "--scene", sequence.scene, "--seed", sequence.seed,
-                               "--start", sequence.start, "--frames", sequence.frames, "--threads", self.threads,
-                               "--output", aside)
+                               "--start", sequence.start, "--frames", sequence.frames, *noise,
+                               "--threads", self.threads, "--output", aside)
             (aside / "done").write_text(json.dumps({"rf-simulate": self.digest}) + "\n")
             shutil.rmtree(self.folder / sequence.name, ignore_errors=True)
             aside.rename(self.folder / sequence.name)
