@@ -10,6 +10,7 @@ missing, 130 interrupted.
 """
 import argparse
 import contextlib
+import dataclasses
 import pathlib
 import shlex
 import signal
@@ -21,7 +22,7 @@ from .cache import Cache
 from .children import Children
 from .execute import Executor
 from .experiments import ALL
-from .plan import Plan
+from .plan import OURS, Plan
 from .sequences import Sequences
 
 EXIT_FAILED, EXIT_USAGE, EXIT_MISSING, EXIT_INTERRUPTED = 1, 2, 3, 130
@@ -58,6 +59,8 @@ def parse(arguments, bin_folder, recordings):
     parser.add_argument("--seeds", type=numbers, default=(1, 2, 3, 4, 5), help="of our mode (default: 1-5)")
     parser.add_argument("--baseline-seeds", type=numbers, default=(1, 2), help="of the other modes (default: 1,2)")
     parser.add_argument("--scenes", type=words, default=(), metavar="NAME,...", help="leave out all other scenes")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings",
+                        help="of rf-run, in every run of our mode: for ablations, each into its own --output")
     parser.add_argument("--quick", action="store_true", help="cuts of 60 frames, seed 1, few runs of each experiment")
     parser.add_argument("--jobs", type=positive, default=1, metavar="N", help="programs at a time (default: 1)")
     parser.add_argument("--threads", type=positive, default=1, metavar="N", help="threads of each (default: 1)")
@@ -101,6 +104,14 @@ def recordings_in(folder):
     return tuple(sorted(f.parent.name for f in folder.glob("*/camera.yaml"))) if folder else ()
 
 
+def with_settings(cases, settings):
+    """The cases with more settings in the runs of our mode."""
+    if not settings:
+        return cases
+    return [dataclasses.replace(c, run=dataclasses.replace(c.run, settings=c.run.settings + tuple(settings)))
+            if c.run.mode == OURS else c for c in cases]
+
+
 def rows_of(experiment, cases, cache):
     """A row for each case whose run is there, with the files it came from under `finished`."""
     rows = []
@@ -138,7 +149,7 @@ def stopping_on_signals(children):
 
 
 def run(options, plan, chosen):
-    cases = {name: experiment.cases(plan) for name, experiment in chosen.items()}
+    cases = {name: with_settings(experiment.cases(plan), options.settings) for name, experiment in chosen.items()}
     wanted = [case.run for group in cases.values() for case in group]
     if options.dry_run:
         print("\n".join(dict.fromkeys(r.label for r in wanted)))
@@ -191,7 +202,11 @@ def main(arguments, bin_folder, recordings):
     unknown = [n for n in options.only if n not in ALL]
     if unknown:
         parser.error(f"--only {','.join(unknown)}: there are {', '.join(ALL)}")
-    plan = Plan(options.seeds, options.baseline_seeds, options.scenes, options.quick, knows(options.bin),
+    ask = knows(options.bin)
+    unusable = [s for s in options.settings if not ask(s)]
+    if unusable:
+        parser.error(f"--set {unusable[0]}: rf-run refuses it")
+    plan = Plan(options.seeds, options.baseline_seeds, options.scenes, options.quick, ask,
                 recordings_in(options.recordings), noises(options.bin))
     try:
         return run(options, plan, {n: e for n, e in ALL.items() if not options.only or n in options.only})

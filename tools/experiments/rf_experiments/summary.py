@@ -78,7 +78,8 @@ def worst_ratio(case, place):
 
 def onset_worst(rows):
     """The share found at the worst size."""
-    return 100 * min(onset.found_share(rows).values()), len(rows)
+    shares = stats.present(onset.found_share(rows).values())
+    return (100 * min(shares) if shares else None), len(rows)
 
 
 def camera_figures():

@@ -30,7 +30,8 @@ def report(rows, out):
     out.text(f"Drift of the camera prior {100 * drift[0]:g} cm/s, {drift[1]:g} rad/s, as wheel odometry: 2 to 4 cm ATE "
              "over the 2 to 3 m of these paths; object prior as the paper's. The ratio is ATE over the prior's.")
     out.table(every, ("scene", "method"), CAMERA_COLUMNS + OBJECT_COLUMNS + [("ATE / prior's", "ate_ratio", 2)])
-    ours = [r["ate_ratio"] for r in rows if r["method"] == "rigidfusion"]
-    out.text(f"Ours over all scenes: median ratio {stats.median(ours):.2f}, largest {max(ours):.2f}.")
+    ours = stats.present(r["ate_ratio"] for r in rows if r["method"] == "rigidfusion")
+    if ours:
+        out.text(f"Ours over all scenes: median ratio {stats.median(ours):.2f}, largest {max(ours):.2f}.")
     out.plot("ate", bars, every, "scene", "method", "camera_ate_first_cm", "ATE, cm", log=True)
     out.plot("ratio", boxes, rows, "method", "ate_ratio", "ATE / odometry's ATE", limits=(0.7, 1.0), log=True)
