@@ -53,9 +53,9 @@ class Workshop(unittest.TestCase):
             (self.bin / name).chmod(0o755)
 
     def tool(self, keep=False):
-        cache = Cache(self.folder / "cache", self.bin, self.folder / "recordings")
+        cache = Cache(self.folder / "cache", self.bin, {})
         children = Children()
-        sequences = Sequences(self.folder / "sequences", self.bin, None, children, cache.programs["rf-simulate"], 1)
+        sequences = Sequences(self.folder / "sequences", self.bin, {}, children, cache.programs["rf-simulate"], 1)
         executor = Executor(cache, sequences, children, self.bin, 1, keep)
         executor.say = lambda text: None
         return executor

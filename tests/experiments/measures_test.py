@@ -53,7 +53,7 @@ class Health(unittest.TestCase):
 
     def test_only_tracked_poses_count_as_off(self):
         frames = [frame(0, 0, 1, error=0.2), frame(1, 0, 1, error=0.2, health="lost"), frame(2, 0, 1, error=None)]
-        self.assertEqual(measures.off_while_tracked(frames), 1)
+        self.assertEqual(measures.off_while_tracked(frames, "health", "camera_error_m"), 1)
 
     def test_slow_frames_are_those_between_the_speeds(self):
         frames = [frame(i, 0, 1, speed=s) for i, s in enumerate((0.0, 0.01, 0.02, 0.05, 0.06, None))]
@@ -70,12 +70,14 @@ class Files(unittest.TestCase):
             (folder / "sequence.json").write_text('{"frames": 2, "camera_path_m": 2.5}')
             (folder / "frames.csv").write_text("utime,health,object_health,segment_ms,fuse_ms\n1000033333,lost,lost,,\n"
                                                "1000066667,tracked,tracked,4.0,3.0\n")
-            (folder / "each_frame.csv").write_text("timestamp,camera_error_m,iou\n1000.066667,0.3,\n1000.033333,,0.5\n")
+            (folder / "each_frame.csv").write_text(
+                "timestamp,camera_error_m,object_error_m,iou\n1000.066667,0.3,0.01,\n1000.033333,,0.2,0.5\n")
             finished = measures.Finished(folder)
             row = measures.common(finished)
             self.assertEqual((row["camera_ate_first_cm"], row["camera_nees"], row["camera_rpe_cm_per_s"],
                               row["object_ate_first_cm"]), (1.25, 1.5, None, None))
-            self.assertEqual((row["frame_ms_median"], row["off_while_tracked"], row["camera_path_m"]), (7.0, 1, 2.5))
+            self.assertEqual((row["frame_ms_median"], row["off_while_tracked"], row["object_off_while_tracked"],
+                              row["camera_path_m"]), (7.0, 1, 0, 2.5))
             self.assertEqual([f["health"] for f in finished.each_frame()], ["tracked", "lost"])
 
 

@@ -5,7 +5,7 @@ import tempfile
 import unittest
 
 from rf_experiments import stats, summary, tables
-from rf_experiments.experiments import drift, priors, size
+from rf_experiments.experiments import drift, priors, real, size
 
 
 class Numbers(unittest.TestCase):
@@ -78,6 +78,11 @@ class Conclusions(unittest.TestCase):
         self.assertEqual([r["ATE_ratio"] for r in rows], [0.5, 2.0, None, None])
         self.assertEqual(priors.worst(rows)["frozen"], (2.0, 2.0))
 
+    def test_the_longest_recording_counts(self):
+        rows = [{"recording": n, "frames": f, "x": x} for n, f, x in
+                (("tum_a", 45, 1), ("tum_a_150", 150, 2), ("tum_a_150", 150, 3), ("tum_a_200", 200, None))]
+        self.assertEqual([r["x"] for r in real.longest(rows, "tum_a", "x")], [2, 3])
+
     def test_summary_says_reached_missed_and_not_run(self):
         at_most = summary.Figure("x", "", 1.5, "camera", summary.middle("x"))
         at_least = summary.Figure("x", "", 1.5, "camera", summary.middle("x"), at_least=True)
@@ -88,7 +93,7 @@ class Conclusions(unittest.TestCase):
 
     def test_every_figure_reads_a_table_that_lacks_its_column(self):
         row = {"scene": "none", "method": "vo", "case": "frozen", "size": 0.5, "object_prior": "all", "seed": 1,
-               "drift_cm_per_s": 0, "onset_found": False}
+               "drift_cm_per_s": 0, "onset_found": False, "recording": "none", "frames": 1}
         for figure in summary.figures():
             line = figure.line([row])
             self.assertEqual(len(line), 5, figure.what)

@@ -39,7 +39,7 @@ class Cache:
     def __init__(self, folder, bin_folder, recordings):
         self.folder = folder
         self.programs = {name: digest_of(bin_folder / name) for name in PROGRAMS}
-        self.recordings = recordings
+        self.recordings = recordings  # {name: folder}
         self.damaged = []  # keys of entries that had to be removed
         self.recording_digests = {}
         folder.mkdir(parents=True, exist_ok=True)
@@ -56,7 +56,7 @@ class Cache:
 
     def recording(self, name):
         if name not in self.recording_digests:
-            self.recording_digests[name] = digest_of_recording(self.recordings / name)
+            self.recording_digests[name] = digest_of_recording(self.recordings[name])
         return self.recording_digests[name]
 
     def load(self, run):

@@ -71,9 +71,11 @@ def parse(arguments, bin_folder, recordings):
                         help="folder of the rendered sequences (default: WORK/sequences); whole ones are used")
     parser.add_argument("--keep", action="store_true", help="keep the rendered sequences after their last run")
     parser.add_argument("--bin", type=pathlib.Path, default=bin_folder, help="folder of the programs")
-    parser.add_argument("--recordings", type=pathlib.Path, default=recordings, help="folder of the real recordings")
+    parser.add_argument("--recordings", type=pathlib.Path, action="append", metavar="DIR",
+                        help="folder of folders with real recordings, repeatable (default: those of the project)")
     parser.add_argument("--dry-run", action="store_true", help="print what would be run and leave")
     options = parser.parse_args(arguments)
+    options.recordings = options.recordings or [recordings] * bool(recordings)
     options.work = options.work or options.output / "work"
     options.sequences = options.sequences or options.work / "sequences"
     if options.quick:
@@ -100,8 +102,9 @@ def noises(bin_folder):
     return (1.0, 0.5, 2.0) if "--noise" in done.stdout else (1.0,)
 
 
-def recordings_in(folder):
-    return tuple(sorted(f.parent.name for f in folder.glob("*/camera.yaml"))) if folder else ()
+def recordings_in(folders):
+    """{name: folder} of the recordings below some folders."""
+    return {f.parent.name: f.parent for folder in folders for f in sorted(folder.glob("*/camera.yaml"))}
 
 
 def with_settings(cases, settings):
@@ -155,10 +158,11 @@ def run(options, plan, chosen):
         print("\n".join(dict.fromkeys(r.label for r in wanted)))
         return 0
     options.output.mkdir(parents=True, exist_ok=True)
-    cache = Cache(options.work / "cache", options.bin, options.recordings)
+    recordings = recordings_in(options.recordings)
+    cache = Cache(options.work / "cache", options.bin, recordings)
     cache.remove_scraps()
     children = Children()
-    sequences = Sequences(options.sequences, options.bin, options.recordings, children,
+    sequences = Sequences(options.sequences, options.bin, recordings, children,
                           cache.programs["rf-simulate"], options.threads)
     executor = Executor(cache, sequences, children, options.bin, options.threads, options.keep)
     with stopping_on_signals(children):
@@ -207,7 +211,7 @@ def main(arguments, bin_folder, recordings):
     if unusable:
         parser.error(f"--set {unusable[0]}: rf-run refuses it")
     plan = Plan(options.seeds, options.baseline_seeds, options.scenes, options.quick, ask,
-                recordings_in(options.recordings), noises(options.bin))
+                tuple(recordings_in(options.recordings)), noises(options.bin))
     try:
         return run(options, plan, {n: e for n, e in ALL.items() if not options.only or n in options.only})
     except KeyboardInterrupt:

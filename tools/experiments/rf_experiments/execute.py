@@ -69,7 +69,7 @@ class Executor:
             self.left[run.sequence] -= 1
             last = self.left[run.sequence] == 0
             self.done += 1
-            self.say(f"{self.done}/{self.total} {run.label}")
+            self.say(f"{self.done}/{self.total} {run.label}; about {clock(self.remaining())} left")
         if last and not self.keep:
             self.sequences.remove(run.sequence)
 
@@ -78,10 +78,12 @@ class Executor:
             self.failures.append((run.label, str(problem)))
             self.say(f"FAILED {run.label}: {problem}")
 
+    def remaining(self):
+        """Seconds, if the other runs take as long as those that were made."""
+        return (time.monotonic() - self.begin) * (self.total - self.done) / self.done
+
     def say(self, text):
-        seconds = int(time.monotonic() - self.begin)
-        clock = f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
-        print(f"[{clock}] {text}", file=sys.stderr, flush=True)
+        print(f"[{clock(time.monotonic() - self.begin)}] {text}", file=sys.stderr, flush=True)
 
     def make(self, run):
         sequence = self.sequences.get(run.sequence, lambda: self.say(f"rendering {run.sequence.name}"))
@@ -110,6 +112,11 @@ class Executor:
         (result / "evaluation.json").write_text(text)
         (result / "sequence.json").write_text(json.dumps(facts(run, sequence, folder)) + "\n")
         return result
+
+
+def clock(seconds):
+    seconds = int(seconds)
+    return f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
 
 
 def prepare(run, sequence, scratch):

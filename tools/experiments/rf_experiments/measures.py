@@ -81,13 +81,15 @@ def common(finished):
     row["camera_path_m"] = finished.sequence.get("camera_path_m")
     row["frame_ms_median"] = stats.median(float(r["segment_ms"]) + float(r["fuse_ms"])
                                           for r in finished.frames() if r["segment_ms"] and r["fuse_ms"])
-    row["off_while_tracked"] = off_while_tracked(finished.each_frame())
+    frames = finished.each_frame()
+    row["off_while_tracked"] = off_while_tracked(frames, "health", "camera_error_m")
+    row["object_off_while_tracked"] = off_while_tracked(frames, "object_health", "object_error_m")
     return row
 
 
-def off_while_tracked(frames):
-    """Frames whose camera is more than 10 cm off while its health says tracked."""
-    return sum(1 for f in frames if f["health"] == "tracked" and (f["camera_error_m"] or 0.0) > LOST_METRES)
+def off_while_tracked(frames, health, error):
+    """Frames whose pose is more than 10 cm off while its health says tracked."""
+    return sum(1 for f in frames if f[health] == "tracked" and (f[error] or 0.0) > LOST_METRES)
 
 
 ONSET_METRES = 0.01

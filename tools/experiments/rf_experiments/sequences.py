@@ -12,7 +12,7 @@ class Sequences:
     def __init__(self, folder, bin_folder, recordings, children, simulator_digest, threads):
         self.folder = folder
         self.bin = bin_folder
-        self.recordings = recordings
+        self.recordings = recordings  # {name: folder}
         self.children = children
         self.digest = simulator_digest
         self.threads = threads
@@ -38,7 +38,7 @@ class Sequences:
     def get(self, sequence, on_render):
         """The folder, rendered when it is not there. `on_render` is called before that."""
         if sequence.recorded:
-            return self.recordings / sequence.scene
+            return self.recordings[sequence.scene]
         with self.lock(sequence):
             if not self.is_ready(sequence):
                 on_render()

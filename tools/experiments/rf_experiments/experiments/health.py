@@ -48,7 +48,8 @@ def report(rows, out):
               [("reported", tables.per_cent("reported")), ("delay, frames", "report_delay", 0),
                ("not tracked in the second before", "false_alarms_before", 2)])
     out.table(rows, ("scene", "event", "noise"),
-              [("off while tracked", tables.total("off_while_tracked")), ("tracked", "share_tracked", 3),
+              [("off while tracked", tables.total("off_while_tracked")),
+               ("object off", tables.total("object_off_while_tracked")), ("tracked", "share_tracked", 3),
                ("degraded", "share_degraded", 3), ("prior-only", "share_prior-only", 3), ("lost", "share_lost", 3),
                ("ATE 1st, cm", "camera_ate_first_cm", 2), ("NEES camera", "camera_nees", 2),
                ("NEES object", "object_nees", 2)])
