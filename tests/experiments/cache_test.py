@@ -12,6 +12,7 @@ import time
 import unittest
 
 import rf_experiments
+from rf_experiments import aside
 from rf_experiments.cache import Cache
 from rf_experiments.children import Children, ProgramFailed, Stopped
 from rf_experiments.execute import Executor
@@ -112,6 +113,15 @@ class Workshop(unittest.TestCase):
         self.assertEqual(self.renders(), 0)
         self.assertTrue((given / "depth.txt").exists())
 
+    def test_folders_that_are_not_whole_are_not_touched(self):
+        foreign = self.folder / "sequences/a-1"
+        foreign.mkdir(parents=True)
+        (foreign / "depth.txt").touch()
+        tool = self.tool()
+        self.assertFalse(tool.execute([Run(Sequence("a"))], 1))
+        self.assertIn("without `done`", tool.failures[0][1])
+        self.assertTrue((foreign / "depth.txt").exists())
+
     def test_sequences_of_another_simulator_are_rendered_anew(self):
         tool = self.tool(keep=True)
         tool.execute([Run(Sequence("a"))], 1)
@@ -147,12 +157,17 @@ class Workshop(unittest.TestCase):
             self.assertEqual(list((self.folder / "out/work/cache").iterdir()), [])
             pid.unlink()
 
-    def test_scraps_of_ended_calls_are_removed(self):
-        tool = self.tool()
-        (tool.cache.folder / ".key-999999999").mkdir()
-        (tool.cache.folder / f".key-{os.getpid()}").mkdir()
-        tool.cache.remove_scraps()
-        self.assertEqual(os.listdir(tool.cache.folder), [f".key-{os.getpid()}"])
+    def test_what_killed_calls_left_is_removed(self):
+        for name in ("cache", "sequences"):
+            folder = self.folder / name
+            folder.mkdir(exist_ok=True)
+            mine = aside.path(folder, "a-1")
+            mine.mkdir()
+            (folder / f"{aside.PREFIX}a-1-999999999").mkdir()
+            (folder / f"{aside.PREFIX}a-1-999999999.log").touch()
+            (folder / ".tmp-999999999").mkdir()
+            self.tool()
+            self.assertEqual(set(os.listdir(folder)), {mine.name, ".tmp-999999999"})
 
     def test_failed_programs_say_why(self):
         with self.assertRaisesRegex(ProgramFailed, "exit code 2\nno such mode"):

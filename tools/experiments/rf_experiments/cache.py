@@ -4,11 +4,10 @@ description, and for derived inputs the code that makes them. An entry carries t
 that was damaged is removed and made anew. Entries appear whole or not at all (written aside, then renamed)."""
 import hashlib
 import json
-import os
 import pathlib
 import shutil
 
-from . import derive, poses
+from . import aside, derive, poses
 
 KEPT = ("evaluation.json", "each_frame.csv", "frames.csv", "camera.txt", "object.txt", "sequence.json")
 PROGRAMS = ("rf-simulate", "rf-run", "rf-evaluate")
@@ -43,6 +42,7 @@ class Cache:
         self.damaged = []  # keys of entries that had to be removed
         self.recording_digests = {}
         folder.mkdir(parents=True, exist_ok=True)
+        aside.remove_left(folder)
 
     def key(self, run):
         parts = {"run": run.description(), "layout": LAYOUT}
@@ -80,16 +80,14 @@ class Cache:
 
     def scratch(self, run):
         """An empty folder beside the entries to make one in."""
-        folder = self.folder / f".{self.key(run)}-{os.getpid()}"
-        shutil.rmtree(folder, ignore_errors=True)
+        folder = aside.path(self.folder, self.key(run))
         folder.mkdir()
         return folder
 
     def store(self, run, result):
         """Moves what is kept of a result folder into the run's entry."""
         key = self.key(run)
-        made = self.folder / f".{key}-{os.getpid()}-entry"
-        shutil.rmtree(made, ignore_errors=True)
+        made = aside.path(self.folder, f"{key}-entry")
         made.mkdir()
         kept = [name for name in KEPT if (result / name).exists()]
         for name in kept:
@@ -100,10 +98,3 @@ class Cache:
         shutil.rmtree(self.folder / key, ignore_errors=True)
         made.rename(self.folder / key)
         return self.folder / key
-
-    def remove_scraps(self):
-        """What calls that have ended left aside; another that runs now keeps its own."""
-        for folder in self.folder.glob(".*-*"):
-            process = folder.name.split("-")[1]
-            if not pathlib.Path("/proc", process).exists():
-                shutil.rmtree(folder, ignore_errors=True)

@@ -160,7 +160,6 @@ def run(options, plan, chosen):
     options.output.mkdir(parents=True, exist_ok=True)
     recordings = recordings_in(options.recordings)
     cache = Cache(options.work / "cache", options.bin, recordings)
-    cache.remove_scraps()
     children = Children()
     sequences = Sequences(options.sequences, options.bin, recordings, children,
                           cache.programs["rf-simulate"], options.threads)

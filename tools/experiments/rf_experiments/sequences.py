@@ -3,9 +3,10 @@
 A folder counts as whole when it holds `done`: the digest of the rf-simulate that made it, or nothing at all
 for one that somebody else put there, which is used as it is and never removed."""
 import json
-import os
 import shutil
 import threading
+
+from . import aside
 
 
 class Sequences:
@@ -19,6 +20,7 @@ class Sequences:
         self.guard = threading.Lock()
         self.locks = {}
         folder.mkdir(parents=True, exist_ok=True)
+        aside.remove_left(folder)
 
     def lock(self, sequence):
         with self.guard:
@@ -46,19 +48,21 @@ class Sequences:
             return self.folder / sequence.name
 
     def render(self, sequence):
-        aside = self.folder / f".{sequence.name}-{os.getpid()}"
-        shutil.rmtree(aside, ignore_errors=True)
-        log = self.folder / f".{sequence.name}-{os.getpid()}.log"
+        folder = self.folder / sequence.name
+        if folder.exists() and not (folder / "done").exists():
+            raise ValueError(f"{folder}: is there without `done`: not whole, and not ours to remove")
+        made = aside.path(self.folder, sequence.name.replace(".", "_"))
+        log = made.with_suffix(".log")
         try:
             noise = ["--noise", sequence.noise] if sequence.noise != 1 else []
             self.children.call(log, self.bin / "rf-simulate", "--scene", sequence.scene, "--seed", sequence.seed,
                                "--start", sequence.start, "--frames", sequence.frames, *noise,
-                               "--threads", self.threads, "--output", aside)
-            (aside / "done").write_text(json.dumps({"rf-simulate": self.digest}) + "\n")
-            shutil.rmtree(self.folder / sequence.name, ignore_errors=True)
-            aside.rename(self.folder / sequence.name)
+                               "--threads", self.threads, "--output", made)
+            (made / "done").write_text(json.dumps({"rf-simulate": self.digest}) + "\n")
+            shutil.rmtree(folder, ignore_errors=True)
+            made.rename(folder)
         finally:
-            shutil.rmtree(aside, ignore_errors=True)
+            shutil.rmtree(made, ignore_errors=True)
             for file in (log, log.with_suffix(".out")):
                 file.unlink(missing_ok=True)
 
