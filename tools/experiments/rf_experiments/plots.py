@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures as PNG. Every function takes rows or series and a file; none keeps state."""
+import textwrap
+
 from . import stats, tables
 
 SIZE = (7.0, 4.0)
@@ -84,7 +86,7 @@ def boxes(path, rows, group, value, ylabel, limits=(), log=False):
     groups = [(k, stats.present(r.get(value) for r in g)) for (k,), g in tables.grouped(rows, [group])]
     groups = [(k, v) for k, v in groups if v]
     axes.boxplot([v for _, v in groups], whis=(0, 100))
-    axes.set_xticks(range(1, len(groups) + 1), [str(k).replace(", ", ",\n") for k, _ in groups], fontsize=8)
+    axes.set_xticks(range(1, len(groups) + 1), [textwrap.fill(str(k), 12) for k, _ in groups], fontsize=8)
     for limit in limits:
         axes.axhline(limit, color="grey", linestyle="--")
     finish(figure, axes, path, "", ylabel, log)
