@@ -43,6 +43,30 @@ class Onset(unittest.TestCase):
         self.assertIsNone(measures.onset([frame(i, 0.0, 1.0) for i in range(9)])["onset_found"])
 
 
+class Comeback(unittest.TestCase):
+    @staticmethod
+    def seen(shares, right_from):
+        frames = [frame(i, 0.5, 0.9 if i >= right_from else 0.1, error=0.01) for i in range(len(shares))]
+        for f, share in zip(frames, shares):
+            f["dynamic_share"] = share
+            f["object_error_m"] = 0.04
+        return frames
+
+    SHARES = [0.2] * 5 + [0.0] * 2 + [0.2] * 3 + [0.0] * 10 + [0.01] * 2 + [0.1] * 40
+
+    def test_the_longest_absence_counts(self):
+        self.assertEqual(measures.longest_absence(self.seen(self.SHARES, 0)), (10, 19))
+        found = measures.comeback(self.seen(self.SHARES, 26))
+        self.assertEqual((found["gone_frames"], found["comeback_delay"], found["found_again"]), (10, 4, True))
+        self.assertAlmostEqual(found["comeback_object_error_cm"], 4.0)
+
+    def test_late_and_never(self):
+        self.assertEqual(measures.comeback(self.seen(self.SHARES, 40))["found_again"], False)
+        self.assertEqual(measures.comeback(self.seen(self.SHARES, 99))["found_again"], False)
+        self.assertIsNone(measures.comeback(self.seen(self.SHARES[:20], 0))["found_again"], "it has not come back")
+        self.assertEqual(measures.comeback(self.seen([0.2] * 30, 0))["gone_frames"], 0)
+
+
 class Health(unittest.TestCase):
     def test_reports_count_from_the_event(self):
         states = ["tracked"] * 13 + ["degraded"] + ["tracked"] * 9

@@ -96,10 +96,18 @@ def knows(bin_folder):
     return ask
 
 
+def said_by(program, option):
+    return subprocess.run([program, option], capture_output=True, text=True, check=False).stdout
+
+
 def noises(bin_folder):
     """Factors on the sensor's noise: rf-simulate of an earlier version has no such option."""
-    done = subprocess.run([bin_folder / "rf-simulate", "--help"], capture_output=True, text=True, check=False)
-    return (1.0, 0.5, 2.0) if "--noise" in done.stdout else (1.0,)
+    return (1.0, 0.5, 2.0) if "--noise" in said_by(bin_folder / "rf-simulate", "--help") else (1.0,)
+
+
+def scenes(bin_folder):
+    """Names of rf-simulate's scenes."""
+    return tuple(line.split()[0] for line in said_by(bin_folder / "rf-simulate", "--list").splitlines() if line)
 
 
 def recordings_in(folders):
@@ -134,8 +142,10 @@ def write_report(name, experiment, cases, cache, folder):
     out = report.Report(folder, name, experiment.TITLE)
     if len(rows) < len(cases):
         out.text(f"{len(cases) - len(rows)} of {len(cases)} runs failed and are left out.")
-    if rows or name == "real":
+    if rows:
         experiment.report(rows, out)
+    else:
+        out.text("Nothing was run: its scenes or recordings are not there, or were left out.")
     out.write([{k: v for k, v in row.items() if k != "finished"} for row in rows])
 
 
@@ -210,7 +220,7 @@ def main(arguments, bin_folder, recordings):
     if unusable:
         parser.error(f"--set {unusable[0]}: rf-run refuses it")
     plan = Plan(options.seeds, options.baseline_seeds, options.scenes, options.quick, ask,
-                tuple(recordings_in(options.recordings)), noises(options.bin))
+                tuple(recordings_in(options.recordings)), scenes(options.bin), noises(options.bin))
     try:
         return run(options, plan, {n: e for n, e in ALL.items() if not options.only or n in options.only})
     except KeyboardInterrupt:

@@ -119,6 +119,38 @@ def onset(frames):
             "onset_iou": frames[min(first + ONSET_FRAMES, len(frames) - 1)]["iou"]}
 
 
+GONE_SHARE = 0.005
+BACK_SHARE = 0.02
+COMEBACK_FRAMES = 15  # half a second
+
+
+def longest_absence(frames):
+    """(first, last) index of the longest time without the object after it has moved; None when there is none."""
+    moved = next((i for i, f in enumerate(frames) if (f["object_displacement_m"] or 0.0) >= ONSET_METRES), len(frames))
+    best, begin = None, None
+    for i in range(moved, len(frames)):
+        gone = frames[i]["dynamic_share"] is not None and frames[i]["dynamic_share"] < GONE_SHARE
+        begin = (i if begin is None else begin) if gone else None
+        if gone and (best is None or i - begin > best[1] - best[0]):
+            best = begin, i
+    return best
+
+
+def comeback(frames):
+    """Whether an object that was out of sight is found again: frames from its return to the first right mask, and
+    how far its pose is off half a second after the return."""
+    absence = longest_absence(frames)
+    if absence is None:
+        return {"gone_frames": 0, "comeback_delay": None, "found_again": None, "comeback_object_error_cm": None}
+    back = next((i for i in range(absence[1] + 1, len(frames))
+                 if (frames[i]["dynamic_share"] or 0.0) >= BACK_SHARE), None)
+    found = None if back is None else next((i for i in range(back, len(frames)) if is_split(frames[i])), None)
+    later = None if back is None else frames[min(back + COMEBACK_FRAMES, len(frames) - 1)]["object_error_m"]
+    return {"gone_frames": absence[1] - absence[0] + 1, "comeback_delay": None if found is None else found - back,
+            "found_again": None if back is None else found is not None and found - back <= COMEBACK_FRAMES,
+            "comeback_object_error_cm": None if later is None else 100 * later}
+
+
 def report_delay(frames, event_frame):
     """Frames from an event to the first whose camera health is not `tracked`; None: never within 5."""
     for i, frame in enumerate(frames[event_frame:event_frame + FRAMES_TO_REPORT + 1]):

@@ -24,6 +24,7 @@ class Plan:
     quick: bool = False
     knows: object = lambda setting: True  # whether rf-run has such a setting
     recordings: tuple = ()  # folders that are there
+    known_scenes: tuple = ()  # of rf-simulate
     noises: tuple = (1.0,)  # factors on the sensor's noise that rf-simulate can make
 
     def choose(self, names, quick):

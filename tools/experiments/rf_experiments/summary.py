@@ -140,6 +140,8 @@ def other_figures():
                      over_groups(max, *of_level, event="none"))
         yield Figure(f"NEES per degree of freedom, {body}: lowest of the noise levels", "", 0.5, "health",
                      over_groups(min, *of_level, event="none"), at_least=True)
+    yield Figure("object found again within half a second of its return, %", "", 100, "states", part("found_again"), 0,
+                 at_least=True)
     yield Figure("two objects: camera ATE, cm", "", 5, "objects",
                  middle("camera_ate_first_cm", object_prior="of the first body"))
 

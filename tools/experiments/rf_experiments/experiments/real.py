@@ -54,9 +54,6 @@ def measure(finished, row):
 
 
 def report(rows, out):
-    if not rows:
-        out.text("No recording was found.")
-        return
     out.text("fr1_rpy: the truth with simulated drift as prior (one run a drift seed), and no prior. "
              "walking_halfsphere: against the hand-drawn masks, from the fifth frame on, over the pixels of all of "
              "them.")
