@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "evaluation/model_error.hpp"
+#include "evaluation/per_frame.hpp"
 #include "evaluation/segmentation_score.hpp"
 #include "evaluation/trajectory_error.hpp"
 
@@ -24,6 +25,7 @@ struct EvaluationReport {
   std::optional<ModelScore> static_model;
   std::optional<ModelScore> object_model;
   std::vector<std::string> notes;
+  std::vector<FrameScore> each_frame;  ///< when asked for; not part of the texts below
 };
 
 /// A table for people: ATE in cm, RPE in cm/s and deg/s.

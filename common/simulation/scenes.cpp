@@ -141,11 +141,11 @@ void sideway(World& world, std::uint64_t seed) {
 /// A broad stack passes close to the camera: `share` of the image's width at full height.
 void sizeSweep(World& world, std::uint64_t seed, double share) {
   const double face = 0.95;  // distance of the near face
-  const double depth = 0.4;
   // Of the columns 36 are borders without depth and about 31 lie in the stack's infrared shadow;
   // the line through the shares that were measured then corrects for the stack's visible sides.
   const double columns = (1.122 * share - 0.068) * (world.camera.width - 36 - 31);
   const double width = columns * face / world.camera.fx;
+  const double depth = std::min(0.4, 2.0 * width);  // of a narrow stack the side would be most
   const double view = face * world.camera.width / world.camera.fx;
   const double travel = 0.9;  // of the camera, to the side
   const PlanarMotion camera(PlanarPath({{0.35, -travel / 2}, {0.35, travel / 2}}),
@@ -219,7 +219,7 @@ const std::vector<SceneInfo>& scenes() {
         {"held", 360, "camera rests, a hand waves a carton close to it"},
         {"loop", 450, "nothing moves but the camera: a circle with a full turn, closed"},
         {"two_objects", 450, "camera moves sideways, two stacks move independently"}};
-    for (const int share : {30, 40, 50, 55, 60, 65, 70, 75, 80, 85}) {
+    for (const int share : {14, 30, 40, 43, 50, 55, 60, 65, 70, 72, 75, 80, 85}) {
       out.push_back({"size0" + std::to_string(share), 180,
                      "a broad stack passes close by, about " + std::to_string(share) +
                          " % of the valid pixels"});

@@ -107,6 +107,25 @@ TEST(EvaluateFolders, SaysWhatIsAbsentAndRefusesWhatIsBroken) {
   EXPECT_THROW(evaluateFolders(sequence.request), DatasetError);
 }
 
+TEST(EvaluateFolders, EachFrameHasItsOwnNumbers) {
+  const TempFolder folder;
+  Sequence sequence(folder);
+  EXPECT_TRUE(evaluateFolders(sequence.request).each_frame.empty()) << "only when asked for";
+  sequence.request.each_frame = true;
+  const std::vector<FrameScore> f = evaluateFolders(sequence.request).each_frame;
+  ASSERT_EQ(f.size(), 60U);
+  EXPECT_NEAR(*f[40].camera_error, 0.01 * 0.05 * 40, 1e-6) << "1 cm/s too fast for 2 s";
+  EXPECT_FALSE(f[30].camera_error);
+  EXPECT_NEAR(*f[40].object_speed, 0.2, 1e-6);
+  EXPECT_NEAR(*f[40].object_displacement, 0.2, 0.011) << "rests until frame 19 or 20";
+  EXPECT_NEAR(*f[10].object_displacement, 0.0, 1e-9);
+  EXPECT_NEAR(*f[5].dynamic_share, 0.5, 1e-9);
+  EXPECT_NEAR(f[5].pixels->iou(), 0.5, 1e-9) << "also while the object rests";
+  EXPECT_NEAR(f[31].pixels->dynamicAccuracy(), 0.0, 1e-9) << "a missing mask found nothing";
+  std::filesystem::remove_all(folder / "res/masks");
+  EXPECT_FALSE(evaluateFolders(sequence.request).each_frame[5].pixels);
+}
+
 TEST(EvaluateFolders, JsonHasTheNumbersOfTheTable) {
   const TempFolder folder;
   const Sequence sequence(folder);

@@ -127,7 +127,7 @@ double sensedShare(const World& world, double t) {
 }
 
 TEST(Choreography, SizeSweepHasItsShare) {
-  for (const int percent : {30, 50, 65, 75, 85}) {
+  for (const int percent : {14, 30, 43, 50, 65, 72, 75, 80, 85}) {
     const World world = buildWorld("size0" + std::to_string(percent), 3);
     double mean = 0;
     for (int k = 0; k < 6; ++k) mean += sensedShare(world, 0.5 + k) / 6;

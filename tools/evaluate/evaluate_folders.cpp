@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "datasets/error.hpp"
-#include "datasets/image_files.hpp"
 #include "datasets/ply.hpp"
-#include "datasets/text.hpp"
 #include "datasets/trajectory.hpp"
 #include "datasets/tum.hpp"
 #include "geometry/camera.hpp"
+#include "mask_folder.hpp"
 #include "priors/pose_buffer.hpp"
 
 namespace rf {
@@ -108,26 +106,6 @@ void scoreTrajectories(const EvaluationRequest& request, const Inputs& inputs,
   }
 }
 
-std::map<std::int64_t, std::string> listMasks(const std::string& folder) {
-  std::map<std::int64_t, std::string> masks;
-  if (!fs::is_directory(folder)) return masks;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() != ".png") continue;
-    const auto utime = parseTimestamp(entry.path().stem().string());
-    if (utime) masks[*utime] = entry.path().string();
-  }
-  return masks;
-}
-
-Image<std::uint8_t> readMask(const std::string& path) {
-  const ImageHeader header = readImageHeader(path);
-  if (header.width > kMaxImageSide || header.height > kMaxImageSide) {
-    throw DatasetError(fmt::format("{}: image size {}x{}: must be at most {}", path, header.width,
-                                   header.height, kMaxImageSide));
-  }
-  return readGreyImage(path, header.width, header.height);
-}
-
 /// True speed of the object at a time; nothing where there is no truth within 20 ms.
 class SpeedTable {
  public:
@@ -216,6 +194,32 @@ void scoreModels(const EvaluationRequest& request, const Inputs& inputs, Evaluat
                 offset->inverse(), report);
 }
 
+/// Counts of one frame; a frame without a result is counted as one that found nothing.
+void addPixels(const std::string& truth_file, const std::optional<std::string>& found_file,
+               FrameScore& frame) {
+  const Image<std::uint8_t> truth = readMask(truth_file);
+  frame.dynamic_share = dynamicShare(truth);
+  frame.pixels = found_file ? countPixels(truth, readMask(*found_file)) : countMissing(truth);
+}
+
+std::vector<FrameScore> scoreEachFrame(const EvaluationRequest& request, const Inputs& inputs) {
+  const SE3 X = objectOffset(inputs.object, inputs.object_truth, inputs.world).value_or(SE3());
+  std::vector<FrameScore> frames =
+      scoreFrames(inputs.frames, {inputs.camera, inputs.camera_truth, inputs.world, SE3()},
+                  {inputs.object, inputs.object_truth, inputs.world, X}, kAnyMotion);
+  const auto truth = listMasks(truthMaskFolder(request));
+  const auto found = listMasks(in(request.result, "masks"));
+  if (found.empty()) return frames;
+  for (FrameScore& frame : frames) {
+    const auto mask = truth.find(frame.utime);
+    if (mask == truth.end()) continue;
+    const auto result = found.find(frame.utime);
+    addPixels(mask->second, result == found.end() ? std::nullopt : std::optional(result->second),
+              frame);
+  }
+  return frames;
+}
+
 }  // namespace
 
 EvaluationReport evaluateFolders(const EvaluationRequest& request) {
@@ -225,6 +229,7 @@ EvaluationReport evaluateFolders(const EvaluationRequest& request) {
   scoreTrajectories(request, inputs, report);
   scoreMasks(request, inputs, report);
   scoreModels(request, inputs, report);
+  if (request.each_frame) report.each_frame = scoreEachFrame(request, inputs);
   return report;
 }
 

@@ -15,6 +15,7 @@ struct EvaluationRequest {
   std::string object_prior;       ///< the same
   std::string truth_masks;        ///< folder, or empty: mask/, else masks_hand/ of the sequence
   double speed_threshold = 0.03;  ///< m/s
+  bool each_frame = false;        ///< fill each_frame of the report too
 };
 
 /// Measures what the folders allow; what is absent is left out with a note. Throws DatasetError for

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <stdexcept>
+#include <string>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -18,11 +21,18 @@ constexpr const char* kFooter =
     "ATE: RMSE of positions, aligned at the first pose, and aligned in SE(3). RPE: RMSE over 1 s.\n"
     "Exit codes: 0 done, 1 an input is unusable, 106 to 109 wrong arguments.";
 
+void write(const std::string& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << text << std::flush;
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   rf::EvaluationRequest request;
   bool as_json = false;
+  std::string per_frame;
   CLI::App app("rf-evaluate: measures a result folder against a sequence's truth");
   app.footer(kFooter);
   app.add_option("--sequence", request.sequence, "Folder in TUM layout, with truth")->required();
@@ -40,9 +50,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   app.add_flag("--json", as_json, "Print one JSON object instead of the table");
+  app.add_option("--per-frame", per_frame,
+                 "Write one CSV row a frame: the object's true speed and displacement since it "
+                 "rested, its share, masks and errors");
   CLI11_PARSE(app, argc, argv);
   try {
+    request.each_frame = !per_frame.empty();
     const rf::EvaluationReport report = rf::evaluateFolders(request);
+    if (!per_frame.empty()) write(per_frame, rf::toCsv(report.each_frame));
     fmt::print("{}", as_json ? rf::toJson(report) : rf::toText(report));
     return 0;
   } catch (const std::exception& e) {
