@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "geometry/camera.hpp"
+#include "geometry/se3.hpp"
+#include "mapping/body_model.hpp"
+#include "mapping/fusion_config.hpp"
+#include "mapping/object_life.hpp"
+#include "values/model_state.hpp"
+#include "values/segmentation_result.hpp"
+
+namespace rf {
+
+/// What fusion remembers from frame to frame. The steps of a frame (camera_tracking,
+/// object_following, map_update) read and change it in that order. Frames: W world of the camera
+/// prior, F a body's own frame (of the static map: the first camera), C camera, O object.
+struct FusionState {
+  FusionState(const FusionConfig& config, const Camera& map_camera);
+
+  FusionConfig config;
+  Camera camera;  ///< of the maps
+  float stable;   ///< log-odds from which a surfel is stable
+
+  BodyModel world;
+  BodyModel object;
+  SE3 T_WF;              ///< of the static map
+  SE3 T_WO, T_WO_birth;  ///< of the object now and where it was first seen to move
+  ObjectLife life;
+
+  bool started = false;
+  std::int32_t time = 0;  ///< frame counter, 1 at the first frame
+  std::int64_t last_utime = 0;
+  std::optional<SE3> last_prior;  ///< the camera prior's pose at the last frame
+  int rejected_frames = 0;        ///< in a row, by the camera's tracking
+  Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
+  BodyPose camera_pose, object_pose;
+
+  /// Whether segmentation's frame A is not the last frame that was fused.
+  bool bridged(const SegmentationResult& s) const {
+    return started && (s.first || s.utime_a != last_utime);
+  }
+  /// From the last frame to `utime`, at most as long as constant velocity is believed.
+  double secondsSince(std::int64_t utime) const;
+  /// Least visible stable object pixels for tracking it, at the maps' resolution.
+  double minObjectPixels() const;
+};
+
+/// The worse of two states; kInvalid counts as degraded.
+Health worse(Health a, Health b);
+
+/// The segmentation's covariance as a start for tracking: inflated, never tighter than the floor
+/// (times `extra`). A covariance that is not one, or beyond 1 m or 1 rad, is replaced by a wide
+/// one.
+Mat6 startCovariance(const Mat6& covariance, const TrackingConfig& config, double extra);
+
+}  // namespace rf
