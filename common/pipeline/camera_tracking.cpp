@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "mapping/tracker.hpp"
+#include "pipeline/camera_health.hpp"
+#include "pipeline/pose_uncertainty.hpp"
 
 namespace rf {
 namespace {
@@ -12,7 +14,6 @@ namespace {
 constexpr double kScarceWorld = 0.15;  // share of the image
 constexpr double kSearchInflation = 10.0;
 constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
-constexpr double kSureFactor = 5.0;      // of the least inliers: enough to trust a pose by itself
 
 Image<float> everywhere(const Image<float>& depth) {
   Image<float> out(depth.width(), depth.height());
@@ -26,8 +27,8 @@ FusionConfig wideSearch(FusionConfig c) {
   t.coarse_distance = 2.5;
   t.iterations_coarse = 20;
   t.iterations_fine = 10;
-  t.max_shift_m *= 3.0;
-  t.max_turn_rad *= 2.0;
+  t.max_shift_m *= kWideShift;
+  t.max_turn_rad *= kWideTurn;
   t.sure_inliers = 1.0;  // nothing is sure here
   t.max_rms_sigma *= 0.7;
   return c;
@@ -65,7 +66,8 @@ std::vector<TrackReference> referenceOf(const FusionState& m) {
 TrackResult trackElsewhere(const FusionInput& f, const SegmentationResult& s, const SE3& start,
                            const std::vector<TrackReference>& reference, const FusionState& m) {
   const TrackingConfig& t = m.config.tracking;
-  const double enough = kSureFactor * minInliers(m);
+  const double least = minInliers(m);
+  const double enough = kSureFactor * least;
   const Mat6 loose = startCovariance(Mat6::Zero(), t, kGapInflation);
   const WeightPyramid weights = weightPyramid(f.weights.world.own, t.levels);
   std::vector<SE3> starts = {SE3::exp(m.velocity * m.secondsSince(s.utime))};
@@ -75,7 +77,7 @@ TrackResult trackElsewhere(const FusionInput& f, const SegmentationResult& s, co
   for (const SE3& other : starts) {
     for (const WeightPyramid* w : {&weights, &all}) {
       TrackResult r = alignToModel(reference, f.pyramid, *w, other, loose, enough, m.config);
-      if (r.accepted && r.inliers > best.inliers) best = std::move(r);
+      if (believed(r, least, m) && r.inliers > best.inliers) best = std::move(r);
     }
   }
   if (best.accepted || m.rejected_frames == 0) return best;
@@ -83,7 +85,7 @@ TrackResult trackElsewhere(const FusionInput& f, const SegmentationResult& s, co
   for (const SE3& other : starts) {
     TrackResult r = alignToModel(reference, f.pyramid, all, other, loose * kSearchInflation, enough,
                                  wideSearch(m.config));
-    if (r.accepted && r.inliers > best.inliers) best = std::move(r);
+    if (believed(r, least, m) && r.inliers > best.inliers) best = std::move(r);
   }
   return best;
 }
@@ -96,25 +98,6 @@ void startAt(const SegmentationResult& s, FusionState& m) {
   m.camera_pose.T_W = m.T_WF;
   m.camera_pose.covariance = Mat6::Identity() * kExact;
   m.camera_pose.health = Health::kTracked;
-}
-
-// Covariance and health of the pose that was just set.
-void judgeCamera(const TrackResult& r, const SegmentationResult& s, const Mat6& start_cov, bool gap,
-                 bool leap, FusionState& m) {
-  BodyPose& pose = m.camera_pose;
-  pose.inliers = r.inliers;
-  pose.rms_residual = r.rms_m;
-  if (r.accepted) {
-    pose.covariance = r.covariance;
-    const bool weak = gap || r.inliers < kSureFactor * minInliers(m);
-    pose.health = weak ? Health::kDegraded : Health::kTracked;
-    return;
-  }
-  const Mat6 back = r.T_PC.inverse().adjoint();
-  pose.covariance = back * pose.covariance * back.transpose() + start_cov;
-  pose.health = worse(worse(s.camera.health, Health::kDegraded),
-                      gap ? Health::kPriorOnly : Health::kDegraded);
-  if (leap) pose.health = Health::kLost;
 }
 
 }  // namespace
@@ -131,6 +114,10 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   const std::vector<TrackReference> reference = referenceOf(m);
   TrackResult r = alignToModel(reference, f.pyramid, weightPyramid(f.weights.world.own, t.levels),
                                start, start_cov, minInliers(m), m.config);
+  if (r.accepted && !believed(r, minInliers(m), m)) {
+    r.accepted = false;
+    r.T_PC = start;
+  }
   const TrackResult again = r.accepted ? TrackResult{} : trackElsewhere(f, s, start, reference, m);
   if (again.accepted) r = again;
   // Without a prior and without the model's support a leap is not believed: rather stay in motion.
@@ -138,12 +125,15 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   const bool leap =
       !r.accepted && !s.has_prior_T_WC && (steady.inverse() * start).t.norm() > t.max_shift_m;
   if (leap) r.T_PC = steady;
-  m.rejected_frames = r.accepted ? 0 : m.rejected_frames + 1;
   m.world.T_FC = m.world.T_FC * r.T_PC;
   m.camera_pose.T_W = m.T_WF * m.world.T_FC;
-  judgeCamera(r, s, start_cov, gap, leap, m);
-  // A pose that has nothing to be compared with may be fused.
-  return r.accepted || (r.inlier_share == 0 && m.camera_pose.health < Health::kPriorOnly);
+  judgeCamera({r, s, start_cov, minInliers(m), gap, leap}, m);
+  // A frame that segmentation could not read has no mask; a picture that shows nothing must not
+  // repaint the map. A pose that has nothing to be compared with may be fused while it is trusted.
+  const bool masked = s.first || s.camera.health <= Health::kDegraded;
+  if (r.accepted) return masked && !m.blind;
+  return r.inlier_share == 0 && m.camera_pose.health < Health::kPriorOnly &&
+         positionSigma(m.camera_pose.covariance) < kTrustedSigma;
 }
 
 }  // namespace rf

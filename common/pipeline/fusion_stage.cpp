@@ -16,6 +16,7 @@
 #include "pipeline/fusion_state.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/object_following.hpp"
+#include "pipeline/pose_uncertainty.hpp"
 
 namespace rf {
 namespace {
@@ -112,6 +113,7 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   clock.lap("track_object");
   predictModels(action, m);
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);
+  settleUncertainty(f, segmentation, action, may, m);
   clock.lap("predict");
   fuseModels(f, action, may, m);
   clock.lap("fuse");

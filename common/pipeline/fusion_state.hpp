@@ -35,8 +35,16 @@ struct FusionState {
   std::int64_t last_utime = 0;
   std::optional<SE3> last_prior;  ///< the camera prior's pose at the last frame
   int rejected_frames = 0;        ///< in a row, by the camera's tracking
+  int contradicted_frames = 0;    ///< of those: surface was in view and did not fit
   Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
   BodyPose camera_pose, object_pose;
+
+  // Of this frame, for covariance and health (pose_uncertainty, camera_health):
+  bool camera_on_map = false;  ///< aligned to the static map: its covariance is given the map
+  bool object_on_map = false;  ///< the same of the object's model
+  bool blind = false;          ///< the picture shows nothing of what the map shows
+  Mat6 covariance_OC = Mat6::Zero();       ///< of T_OC = object.T_FC, right perturbation
+  Mat6 birth_covariance_W = Mat6::Zero();  ///< of T_WC at the object's birth, left perturbation
 
   /// Whether segmentation's frame A is not the last frame that was fused.
   bool bridged(const SegmentationResult& s) const {

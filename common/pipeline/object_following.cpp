@@ -10,12 +10,17 @@ namespace {
 constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
 constexpr double kFewPixels = 0.3;       // of those that tracking needs
 
-// The object's pose in the world from T_FC; `cov_OC` is a right perturbation of T_OC.
-void placeObject(const Mat6& cov_OC, FusionState& m) {
+// The object's pose in the world from T_FC; its covariance follows in pose_uncertainty.
+void placeObject(FusionState& m) {
   m.T_WO = m.camera_pose.T_W * m.object.T_FC.inverse();
   m.object_pose.T_W = m.T_WO;
-  const Mat6 ad = m.object.T_FC.adjoint();
-  m.object_pose.covariance = ad * (cov_OC + m.camera_pose.covariance) * ad.transpose();
+}
+
+// Of T_OC after a step with this result: given the model, or the old one and the step's.
+Mat6 relativeCovariance(const TrackResult& r, const FusionState& m) {
+  if (r.accepted) return r.covariance;
+  const Mat6 back = r.T_PC.inverse().adjoint();
+  return back * m.covariance_OC * back.transpose() + r.covariance;
 }
 
 void giveBirth(const SegmentationResult& s, FusionState& m) {
@@ -24,7 +29,7 @@ void giveBirth(const SegmentationResult& s, FusionState& m) {
   m.T_WO_birth = m.camera_pose.T_W * m.object.T_FC.inverse();
   m.object_pose = {};
   m.object_pose.health = worse(s.object.health, m.camera_pose.health);
-  placeObject(s.object.covariance, m);
+  placeObject(m);
 }
 
 // Refines the moving object's pose; whether the frame may be fused into its model.
@@ -47,10 +52,14 @@ bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState&
   m.object.T_FC = m.object.T_FC * r.T_PC;
   m.object_pose.inliers = r.inliers;
   m.object_pose.rms_residual = r.rms_m;
-  m.object_pose.health =
-      r.accepted && !gap ? Health::kTracked : worse(s.object.health, Health::kDegraded);
-  placeObject(r.covariance, m);
-  return r.accepted || !enough || r.inlier_share == 0;
+  const bool sure = r.accepted && !gap && !m.blind;
+  // A pose in the world is worth no more than the camera's.
+  m.object_pose.health = worse(m.camera_pose.health,
+                               sure ? Health::kTracked : worse(s.object.health, Health::kDegraded));
+  m.object_on_map = r.accepted;
+  m.covariance_OC = relativeCovariance(r, m);
+  placeObject(m);
+  return !m.blind && (r.accepted || !enough || r.inlier_share == 0);
 }
 
 }  // namespace
