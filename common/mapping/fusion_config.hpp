@@ -158,6 +158,10 @@ struct ObjectModelConfig {
   double birth_share = 0.03;
   int false_birth_frames = 4;
   double false_birth_m = 0.02;
+  bool coast = true;
+  double join_after_s = 0.0;
+  double shared_m = 0.03;
+  int shared_every = 10;
 
   template <class V>
   void visit(V& v) {
@@ -165,6 +169,13 @@ struct ObjectModelConfig {
     v("false_birth_frames", false_birth_frames, 0, 100, "frames",
       "a model that moved for no more frames than this is forgotten when it stops");
     v("false_birth_m", false_birth_m, 0.0, 1.0, "m", "... unless it moved farther than this");
+    v("coast", coast, "-",
+      "an object that segmentation does not see follows its prior and is looked for there");
+    v("join_after_s", join_after_s, 0.0, 1e6, "s",
+      "an object at rest for this long becomes part of the static map; 0: never");
+    v("shared_m", shared_m, 0.0, 0.2, "m",
+      "static surfels this near to the object's surface where it stood were the object; 0: stay");
+    v("shared_every", shared_every, 1, 1000, "frames", "how often they are looked for");
   }
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pipeline/pose_uncertainty.hpp"
+#include "pipeline/wide_search.hpp"
 
 namespace rf {
 namespace {

@@ -9,8 +9,6 @@ namespace rf {
 
 /// Of the least inliers: enough to trust a pose by itself.
 inline constexpr double kSureFactor = 5.0;
-/// The wide search reaches this much farther than alignment does otherwise.
-inline constexpr double kWideShift = 3.0, kWideTurn = 2.0;
 
 /// Whether an aligned pose is believed: its picture must be like the map's, where both have
 /// contrast. A pose that is in doubt (contradicted by the map, or long without an image) may fit

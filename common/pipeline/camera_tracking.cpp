@@ -7,32 +7,13 @@
 #include "mapping/tracker.hpp"
 #include "pipeline/camera_health.hpp"
 #include "pipeline/pose_uncertainty.hpp"
+#include "pipeline/wide_search.hpp"
 
 namespace rf {
 namespace {
 
-constexpr double kScarceWorld = 0.15;  // share of the image
-constexpr double kSearchInflation = 10.0;
+constexpr double kScarceWorld = 0.15;    // share of the image
 constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
-
-Image<float> everywhere(const Image<float>& depth) {
-  Image<float> out(depth.width(), depth.height());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = depth[i] > 0 ? 1.0F : 0.0F;
-  return out;
-}
-
-// Looking for the model again after frames that did not fit: farther, but only convinced by more.
-FusionConfig wideSearch(FusionConfig c) {
-  TrackingConfig& t = c.tracking;
-  t.coarse_distance = 2.5;
-  t.iterations_coarse = 20;
-  t.iterations_fine = 10;
-  t.max_shift_m *= kWideShift;
-  t.max_turn_rad *= kWideTurn;
-  t.sure_inliers = 1.0;  // nothing is sure here
-  t.max_rms_sigma *= 0.7;
-  return c;
-}
 
 // Camera motion since the last processed frame, before refinement. Where segmentation's frame A is
 // not that frame (loss, restart), increments of one and the same prior bridge the gap, else

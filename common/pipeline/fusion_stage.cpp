@@ -106,10 +106,9 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   MayFuse may;
   may.world = trackCamera(f, segmentation, m);
   clock.lap("track_camera");
-  const double travelled = (m.T_WO.t - m.T_WO_birth.t).norm();
-  const ObjectAction action = advance(m.life, segmentation.object_moving,
-                                      segmentation.dynamic_share, travelled, m.config.object);
+  const ObjectAction action = advance(m.life, signsOf(segmentation, m), m.config.object);
   may.object = followObject(f, segmentation, action, m);
+  notePlace(action, m);
   clock.lap("track_object");
   predictModels(action, m);
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "geometry/camera.hpp"
 #include "geometry/se3.hpp"
 #include "mapping/body_model.hpp"
 #include "mapping/fusion_config.hpp"
 #include "mapping/object_life.hpp"
+#include "mapping/shared_place.hpp"
 #include "values/model_state.hpp"
 #include "values/segmentation_result.hpp"
 
@@ -29,6 +31,9 @@ struct FusionState {
   SE3 T_WF;              ///< of the static map
   SE3 T_WO, T_WO_birth;  ///< of the object now and where it was first seen to move
   ObjectLife life;
+  bool object_found = false;      ///< its pose agreed with its model since it was last unseen
+  std::int64_t rest_utime = 0;    ///< when it came to rest
+  std::vector<RestPlace> places;  ///< where the object stood, oldest first
 
   bool started = false;
   std::int32_t time = 0;  ///< frame counter, 1 at the first frame
@@ -43,8 +48,7 @@ struct FusionState {
   bool camera_on_map = false;  ///< aligned to the static map: its covariance is given the map
   bool object_on_map = false;  ///< the same of the object's model
   bool blind = false;          ///< the picture shows nothing of what the map shows
-  Mat6 covariance_OC = Mat6::Zero();       ///< of T_OC = object.T_FC, right perturbation
-  Mat6 birth_covariance_W = Mat6::Zero();  ///< of T_WC at the object's birth, left perturbation
+  Mat6 covariance_OC = Mat6::Zero();  ///< of T_OC = object.T_FC, right perturbation
 
   /// Whether segmentation's frame A is not the last frame that was fused.
   bool bridged(const SegmentationResult& s) const {

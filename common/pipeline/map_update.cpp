@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mapping/body_model.hpp"
+#include "mapping/shared_place.hpp"
 #include "mapping/surfel_fusion.hpp"
 
 namespace rf {
@@ -26,7 +27,8 @@ double missFactor(ObjectAction action, const ObjectLife& life) {
 void predictModels(ObjectAction action, FusionState& m) {
   const PredictOptions options = PredictOptions::from(m.config);
   m.world.predictor.predict(m.world.map, m.world.T_FC, m.camera, options, m.world.prediction);
-  if (action == ObjectAction::kMove || action == ObjectAction::kRest) {
+  if (action == ObjectAction::kMove || action == ObjectAction::kRest ||
+      action == ObjectAction::kCoast) {
     m.object.predictor.predict(m.object.map, m.object.T_FC, m.camera, options, m.object.prediction);
   }
 }
@@ -63,6 +65,10 @@ void cleanModels(const FusionInput& f, ObjectAction action, MayFuse may, FusionS
   if (may.object && action == ObjectAction::kMove) {
     m.object.cleaner.clean(f.maps, m.object.T_FC, m.time, m.config, m.object.prediction.blocks,
                            m.object.map);
+  }
+  const ObjectModelConfig& o = m.config.object;
+  if (m.life.phase != ObjectPhase::kNone && o.shared_m > 0 && m.time % o.shared_every == 0) {
+    removeShared(m.object.map, m.places, m.config, m.world.map);
   }
 }
 

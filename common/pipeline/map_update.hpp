@@ -20,7 +20,8 @@ struct MayFuse {
 /// this frame.
 void fuseModels(const FusionInput& frame, ObjectAction action, MayFuse may, FusionState& state);
 
-/// Removes what the sensor looks through and what never became stable.
+/// Removes what the sensor looks through, what never became stable, and from the static map what
+/// was the object (shared_place).
 void cleanModels(const FusionInput& frame, ObjectAction action, MayFuse may, FusionState& state);
 
 }  // namespace rf

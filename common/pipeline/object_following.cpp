@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/object_following.hpp"
 
+#include <vector>
+
 #include "mapping/body_model.hpp"
 #include "mapping/tracker.hpp"
+#include "pipeline/wide_search.hpp"
 
 namespace rf {
 namespace {
 
 constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
+constexpr std::size_t kMostPlaces = 32;  // of rest that are remembered
 constexpr double kFewPixels = 0.3;       // of those that tracking needs
 
 // The object's pose in the world from T_FC; its covariance follows in pose_uncertainty.
@@ -17,66 +21,186 @@ void placeObject(FusionState& m) {
 }
 
 // Of T_OC after a step with this result: given the model, or the old one and the step's.
-Mat6 relativeCovariance(const TrackResult& r, const FusionState& m) {
+Mat6 relativeCovariance(const TrackResult& r, const Mat6& step_cov, const FusionState& m) {
   if (r.accepted) return r.covariance;
   const Mat6 back = r.T_PC.inverse().adjoint();
-  return back * m.covariance_OC * back.transpose() + r.covariance;
+  return back * m.covariance_OC * back.transpose() + step_cov;
 }
 
 void giveBirth(const SegmentationResult& s, FusionState& m) {
   m.object = BodyModel(m.config, m.camera);
   m.object.T_FC = s.has_T_CO ? s.T_CO.inverse() : SE3();
   m.T_WO_birth = m.camera_pose.T_W * m.object.T_FC.inverse();
+  m.object_found = true;
   m.object_pose = {};
   m.object_pose.health = worse(s.object.health, m.camera_pose.health);
   placeObject(m);
 }
 
-// Refines the moving object's pose; whether the frame may be fused into its model.
-bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
-  const TrackingConfig& t = m.config.tracking;
-  const bool gap = m.bridged(s);
-  const SE3 start =
-      gap ? m.object.T_FC.inverse() * m.T_WO.inverse() * m.camera_pose.T_W : s.object.T_AB;
-  const Mat6 start_cov = startCovariance(s.object.covariance, t, gap ? kGapInflation : 1.0);
-  TrackResult r;
-  r.T_PC = start;
-  r.covariance = start_cov;
-  const bool enough =
-      static_cast<double>(stablePixels(m.object.prediction, m.stable)) >= m.minObjectPixels();
-  if (enough) {
-    r = alignToModel(makeReference(m.object.prediction, t.levels, m.stable), f.pyramid,
-                     weightPyramid(f.weights.object.own, t.levels), start, start_cov,
-                     kFewPixels * m.minObjectPixels(), m.config);
+void dropObject(FusionState& m) {
+  m.object = BodyModel(m.config, m.camera);
+  m.places.clear();
+  m.object_pose = {};
+  m.object_pose.health = Health::kLost;
+}
+
+// The camera in the last frame's, as a point of a resting object has it.
+SE3 restingStep(const FusionState& m) {
+  return m.object.T_FC.inverse() * m.T_WO.inverse() * m.camera_pose.T_W;
+}
+
+bool enoughInView(const FusionState& m) {
+  return static_cast<double>(stablePixels(m.object.prediction, m.stable)) >= m.minObjectPixels();
+}
+
+// Aligns the object's model from several starts; the accepted result with the most inliers.
+struct ObjectSearch {
+  const FusionInput& frame;
+  Image<float> weight;  // of each pixel
+  Mat6 start_cov;
+  double min_inliers;
+  FusionConfig config;
+
+  TrackResult from(const std::vector<SE3>& starts, const FusionState& m) const {
+    const int levels = config.tracking.levels;
+    const std::vector<TrackReference> reference =
+        makeReference(m.object.prediction, levels, m.stable);
+    const WeightPyramid weights = weightPyramid(weight, levels);
+    TrackResult best;
+    best.T_PC = starts.front();
+    best.covariance = start_cov;
+    for (const SE3& start : starts) {
+      const TrackResult r =
+          alignToModel(reference, frame.pyramid, weights, start, start_cov, min_inliers, config);
+      const bool better = r.accepted ? !best.accepted || r.inliers > best.inliers
+                                     : !best.accepted && best.inlier_share == 0;
+      if (better) best = r;
+    }
+    return best;
   }
+};
+
+// `step_cov`: of the step that is taken where nothing could be aligned.
+void setObject(const TrackResult& r, const Mat6& step_cov, FusionState& m) {
   m.object.T_FC = m.object.T_FC * r.T_PC;
   m.object_pose.inliers = r.inliers;
   m.object_pose.rms_residual = r.rms_m;
+  m.object_on_map = r.accepted;
+  m.covariance_OC = relativeCovariance(r, step_cov, m);
+  placeObject(m);
+}
+
+// Refines the moving object's pose; whether the frame may be fused into its model.
+bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
+  const bool gap = m.bridged(s);
+  const SE3 start = gap ? restingStep(m) : s.object.T_AB;
+  ObjectSearch search{
+      f, f.weights.object.own,
+      startCovariance(s.object.covariance, m.config.tracking, gap ? kGapInflation : 1.0),
+      kFewPixels * m.minObjectPixels(), m.config};
+  TrackResult r;
+  r.T_PC = start;
+  r.covariance = search.start_cov;
+  const bool enough = enoughInView(m);
+  if (enough) r = search.from({start}, m);
+  if (enough && !r.accepted && !m.object_found) {
+    search.start_cov *= kSearchInflation;
+    search.config = wideSearch(m.config);
+    const TrackResult again = search.from({start}, m);
+    if (again.accepted) r = again;
+  }
+  const Mat6 step_cov =
+      startCovariance(s.object.covariance, m.config.tracking, gap ? kGapInflation : 1.0);
+  setObject(r, step_cov, m);
+  m.object_found = m.object_found || r.accepted;
   const bool sure = r.accepted && !gap && !m.blind;
   // A pose in the world is worth no more than the camera's.
   m.object_pose.health = worse(m.camera_pose.health,
                                sure ? Health::kTracked : worse(s.object.health, Health::kDegraded));
-  m.object_on_map = r.accepted;
-  m.covariance_OC = relativeCovariance(r, m);
-  placeObject(m);
-  return !m.blind && (r.accepted || !enough || r.inlier_share == 0);
+  return m.object_found && !m.blind && (r.accepted || !enough || r.inlier_share == 0);
+}
+
+// Depth that the static map does not explain: there the object may be, mask or not.
+Image<float> unexplained(const FusionInput& f, const FusionState& m) {
+  const Image<std::uint8_t> world = explainedBy(m.world.prediction, f.maps, m.config);
+  Image<float> out = everywhere(f.maps.depth);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = world[i] != 0 ? 0.0F : out[i];
+  return out;
+}
+
+// Takes the object where its prior says, and looks for it there and where it rested.
+void coast(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
+  const SE3 rest = restingStep(m);
+  const SE3 start = m.bridged(s) ? rest : s.object.T_AB;
+  ObjectSearch search{f, unexplained(f, m),
+                      startCovariance(s.object.covariance, m.config.tracking, kGapInflation),
+                      m.minObjectPixels(), m.config};
+  TrackResult r;
+  r.T_PC = start;
+  r.covariance = search.start_cov;
+  if (enoughInView(m)) {
+    r = search.from({start, rest}, m);
+    if (!r.accepted && !m.object_found) {
+      search.start_cov *= kSearchInflation;
+      search.config = wideSearch(m.config);
+      r = search.from({start}, m);
+    }
+  }
+  setObject(r, startCovariance(s.object.covariance, m.config.tracking, 1.0), m);
+  m.object_found = r.accepted;
+  m.object_pose.health =
+      r.accepted ? worse(Health::kTracked, m.camera_pose.health) : Health::kPriorOnly;
+}
+
+// Makes the object's stable surfels part of the static map.
+void joinWorld(FusionState& m) {
+  const SE3 T_FO = m.T_WF.inverse() * m.T_WO;
+  const Eigen::Matrix3f R = T_FO.R().cast<float>();
+  const Eigen::Vector3f t = T_FO.t.cast<float>();
+  for (int i = 0; i < m.object.map.blocks(); ++i) {
+    const SurfelBlock& b = m.object.map.block(i);
+    for (int slot = 0; slot < b.count; ++slot) {
+      Surfel s = b.get(slot);
+      if (s.logit < m.stable) continue;
+      s.point = R * s.point + t;
+      s.normal = R * s.normal;
+      s.born = s.seen = m.time;
+      m.world.map.append(s);
+    }
+  }
+  dropObject(m);
 }
 
 }  // namespace
 
+ObjectSigns signsOf(const SegmentationResult& s, const FusionState& m) {
+  ObjectSigns signs;
+  signs.moving = s.object_moving;
+  signs.unseen = s.object.health == Health::kPriorOnly;
+  signs.share = s.dynamic_share;
+  signs.travelled_m = (m.T_WO.t - m.T_WO_birth.t).norm();
+  signs.rested_s = static_cast<double>(s.utime - m.rest_utime) * 1e-6;
+  return signs;
+}
+
 bool followObject(const FusionInput& f, const SegmentationResult& s, ObjectAction action,
                   FusionState& m) {
+  if (action != ObjectAction::kRest) m.rest_utime = s.utime;
   switch (action) {
-    case ObjectAction::kForget:
-      m.object = BodyModel(m.config, m.camera);
-      m.object_pose = {};
-      m.object_pose.health = Health::kLost;
-      return false;
     case ObjectAction::kNothing:
       m.object_pose.health = Health::kLost;
       return false;
+    case ObjectAction::kForget:
+      dropObject(m);
+      return false;
+    case ObjectAction::kJoin:
+      joinWorld(m);
+      return false;
     case ObjectAction::kRest:
       m.object.T_FC = m.T_WO.inverse() * m.camera_pose.T_W;
+      return false;
+    case ObjectAction::kCoast:
+      coast(f, s, m);
       return false;
     case ObjectAction::kBirth:
       giveBirth(s, m);
@@ -85,6 +209,19 @@ bool followObject(const FusionInput& f, const SegmentationResult& s, ObjectActio
       break;
   }
   return trackObject(f, s, m);
+}
+
+void notePlace(ObjectAction action, FusionState& m) {
+  const SE3 T_FO = m.T_WF.inverse() * m.T_WO;
+  const bool open = !m.places.empty() && m.places.back().left > m.time;
+  const bool gone = open && (action == ObjectAction::kMove ||
+                             (m.places.back().T_FO.t - T_FO.t).norm() > m.config.object.shared_m);
+  if (action == ObjectAction::kBirth) m.places = {{T_FO, m.time - 1}};
+  if (gone) m.places.back().left = m.time - 1;
+  if (action == ObjectAction::kRest && (!open || gone)) {
+    m.places.push_back({T_FO});
+    if (m.places.size() > kMostPlaces) m.places.erase(m.places.begin());
+  }
 }
 
 void judgeRestingObject(const FusionInput& f, FusionState& m) {

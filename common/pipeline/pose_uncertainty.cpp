@@ -13,7 +13,6 @@
 namespace rf {
 namespace {
 
-constexpr double kLever = 2.0;    // metres: compares radians with metres, a usual depth
 constexpr double kExact = 1e-12;  // what defines a frame, kept regular
 
 // Pixels whose depth lies near the prediction: those that alignment could use.
@@ -43,31 +42,16 @@ void settleCamera(const FusionInput& f, bool fused, FusionState& m) {
   if (fused) m.world.uncertainty.fuse(m.time, seen, toLeft(m.world.T_FC, covariance));
 }
 
-// The part of a difference of two covariances that is one.
-Mat6 growth(const Mat6& now, const Mat6& before) {
-  Vec6 unit;
-  unit << 1, 1, 1, kLever, kLever, kLever;
-  const Mat6 scaled = unit.asDiagonal() * (now - before) * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Mat6> eigen(scaled);
-  const Vec6 positive = eigen.eigenvalues().cwiseMax(0.0);
-  const Mat6 part = eigen.eigenvectors() * positive.asDiagonal() * eigen.eigenvectors().transpose();
-  const Vec6 back = unit.cwiseInverse();
-  return back.asDiagonal() * part * back.asDiagonal();
-}
-
 void settleObject(const FusionInput& f, ObjectAction action, bool fused, FusionState& m) {
-  const Mat6 camera_W = toLeft(m.camera_pose.T_W, m.camera_pose.covariance);
   std::vector<MapUncertainty::Share> seen;
   if (action == ObjectAction::kBirth) {
-    m.birth_covariance_W = camera_W;
     m.covariance_OC = Mat6::Identity() * kExact;
   } else {
     seen = seenOf(m.object, f.weights.object.own, f, m.config);
     if (m.object_on_map) m.covariance_OC += toRight(m.object.T_FC, m.object.uncertainty.of(seen));
   }
   if (fused) m.object.uncertainty.fuse(m.time, seen, toLeft(m.object.T_FC, m.covariance_OC));
-  const Mat6 camera = toRight(m.camera_pose.T_W, growth(camera_W, m.birth_covariance_W));
-  m.object_pose.covariance = toLeft(m.object.T_FC, m.covariance_OC + camera);
+  m.object_pose.covariance = toLeft(m.object.T_FC, m.covariance_OC + m.camera_pose.covariance);
 }
 
 // A pose that is held constant: as certain as before while the image shows the object there, less
@@ -97,7 +81,8 @@ void settleUncertainty(const FusionInput& f, const SegmentationResult& s, Object
                        MayFuse may, FusionState& m) {
   settleCamera(f, may.world, m);
   demote(m.camera_pose);
-  const bool moved = action == ObjectAction::kBirth || action == ObjectAction::kMove;
+  const bool moved = action == ObjectAction::kBirth || action == ObjectAction::kMove ||
+                     action == ObjectAction::kCoast;
   if (moved) settleObject(f, action, may.object, m);
   if (action == ObjectAction::kRest) settleResting(s, m);
   if (m.life.phase != ObjectPhase::kNone) demote(m.object_pose);

@@ -18,9 +18,9 @@ double positionSigma(const Mat6& covariance);
 
 /// Completes the covariances of this frame's poses by that of the maps that they were aligned to,
 /// lowers the health of poses that are too uncertain, and notes what the frame adds to the maps'
-/// uncertainty. Needs both predictions at this frame, before fusion. World pose of the camera: from
-/// the start. Of the object: its frame is where it was believed to be at birth, so the camera's
-/// error at that time is part of the frame's definition and only what was added since counts.
+/// uncertainty. Needs both predictions at this frame, before fusion. Poses in the world are
+/// uncertain since the start; the object's frame is defined by its pose in the camera at birth,
+/// which is exact therefore.
 void settleUncertainty(const FusionInput& frame, const SegmentationResult& segmentation,
                        ObjectAction action, MayFuse may, FusionState& state);
 
