@@ -44,10 +44,9 @@ double meanOf(const std::vector<float>& values) {
 }
 
 // What a block may be displaced by without a residual, as the pose that displaces it so.
-Mat6 commonDisplacement(double depth, double focal_px, const SensorModel& sensor) {
+Mat6 ownDisplacement(double depth, double focal_px, double sigma) {
   const double across = CommonError::kPhase * depth / focal_px;
-  const double along =
-      CommonError::kDepthShare * static_cast<double>(sensor.sigma(static_cast<float>(depth)));
+  const double along = CommonError::kDepthShare * sigma;
   Mat6 C = Mat6::Zero();
   C.diagonal().head<3>() << across * across, across * across, along * along;
   return C;
@@ -86,23 +85,28 @@ std::vector<AlignmentBlock> alignmentBlocks(const ReferencePoints& points, const
   return blocks;
 }
 
-Mat6 alignmentCovariance(const std::vector<AlignmentBlock>& blocks, const Mat6& prior,
-                         double correlation, double focal_px, const SensorModel& sensor) {
-  Mat6 information = prior;
+Mat6 alignmentCovariance(const std::vector<AlignmentBlock>& blocks, const AlignmentNoise& noise) {
+  Mat6 information = Mat6::Zero();
   Mat6 left = Mat6::Zero();
   Mat6 hidden = Mat6::Zero();
+  Vec6 nearer = Vec6::Zero();
   for (const AlignmentBlock& b : blocks) {
-    const Mat6 H = hessianOf(b.sums) / correlation;
-    const Vec6 gradient = Eigen::Map<const Vec6>(b.sums.b.data()) / correlation;
+    const Mat6 H = hessianOf(b.sums) / noise.correlation;
+    const Vec6 gradient = Eigen::Map<const Vec6>(b.sums.b.data()) / noise.correlation;
+    const double sigma =
+        noise.factor * static_cast<double>(noise.sensor.sigma(static_cast<float>(b.depth)));
     information += H;
     left += gradient * gradient.transpose();
-    hidden += H * commonDisplacement(b.depth, focal_px, sensor) * H;
+    hidden += H * ownDisplacement(b.depth, noise.focal_px, sigma) * H;
+    nearer += CommonError::kNearerShare * sigma * H.col(2);
   }
-  const Mat6 common = freedomFactor(blocks.size()) * left + hidden;
-  const Eigen::LDLT<Mat6> factor(information);
-  const Mat6 half = factor.solve(common);
-  const Mat6 spread = factor.solve(half.transpose()) + factor.solve(Mat6::Identity());
-  return 0.5 * (spread + spread.transpose());
+  const Mat6 white = noise.factor * noise.factor * information + noise.prior;
+  const Mat6 spread =
+      white + freedomFactor(blocks.size()) * left + hidden + nearer * nearer.transpose();
+  const Eigen::LDLT<Mat6> factor(information + noise.prior);
+  const Mat6 half = factor.solve(spread);
+  const Mat6 covariance = factor.solve(half.transpose());
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace rf

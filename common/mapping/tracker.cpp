@@ -322,8 +322,9 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
   } else if (e.iterations > 0) {
     setPose(e.T_PC, e.input);
     const TrackReference& last = reference[e.level];
-    r.covariance = alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input), prior,
-                                       c.correlation, last.camera.fx, SensorModel(config.sensor));
+    r.covariance = alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input),
+                                       {prior, c.correlation, last.camera.fx,
+                                        SensorModel(config.sensor), std::max(1.0, r.rms_sigma)});
   }
   return r;
 }

@@ -37,7 +37,7 @@ void judgeAligned(const CameraEvidence& e, FusionState& m) {
 void judgeUnaligned(const CameraEvidence& e, FusionState& m) {
   BodyPose& pose = m.camera_pose;
   const Mat6 back = e.track.T_PC.inverse().adjoint();
-  pose.covariance = back * pose.covariance * back.transpose() + e.start_covariance;
+  pose.covariance = back * pose.covariance * back.transpose() + e.step_covariance;
   if (contradicted(e) && ++m.contradicted_frames <= 2) {
     pose.covariance += searchedRange(m.config.tracking, m.contradicted_frames == 2);
   }

@@ -19,10 +19,10 @@ bool believed(const TrackResult& track, double min_inliers, const FusionState& s
 struct CameraEvidence {
   const TrackResult& track;
   const SegmentationResult& segmentation;
-  const Mat6& start_covariance;  ///< of the step that alignment started from
-  double min_inliers = 0;        ///< that alignment had to have
-  bool gap = false;              ///< frames are missing before this one
-  bool leap = false;             ///< the step was not believed: constant velocity instead
+  const Mat6& step_covariance;  ///< of the step from the last frame that is taken without the map
+  double min_inliers = 0;       ///< that alignment had to have
+  bool gap = false;             ///< frames are missing before this one
+  bool leap = false;            ///< the step was not believed: constant velocity instead
 };
 
 /// Sets inliers, covariance and health of the camera's pose, rejected_frames, contradicted_frames,

@@ -106,9 +106,12 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   const bool leap =
       !r.accepted && !s.has_prior_T_WC && (steady.inverse() * start).t.norm() > t.max_shift_m;
   if (leap) r.T_PC = steady;
+  const bool lost = !r.accepted && s.camera.health == Health::kLost;
+  if (lost) r.T_PC = SE3();  // neither image nor prior: the last known pose
   m.world.T_FC = m.world.T_FC * r.T_PC;
   m.camera_pose.T_W = m.T_WF * m.world.T_FC;
-  judgeCamera({r, s, start_cov, minInliers(m), gap, leap}, m);
+  const Mat6 step_cov = gap || leap || lost ? start_cov : stepCovariance(s.camera.covariance, t);
+  judgeCamera({r, s, step_cov, minInliers(m), gap, leap}, m);
   // A frame that segmentation could not read has no mask; a picture that shows nothing must not
   // repaint the map. A pose that has nothing to be compared with may be fused while it is trusted.
   const bool masked = s.first || s.camera.health <= Health::kDegraded;

@@ -34,6 +34,10 @@ Health worse(Health a, Health b) {
   return std::max(known(a), known(b));
 }
 
+Mat6 stepCovariance(const Mat6& covariance, const TrackingConfig& c) {
+  return startCovariance(covariance, c, 0.0);
+}
+
 Mat6 startCovariance(const Mat6& cov, const TrackingConfig& c, double extra) {
   Mat6 out = Mat6::Zero();
   const double v = c.start_floor_m * c.start_floor_m * extra;

@@ -63,6 +63,10 @@ struct FusionState {
 /// The worse of two states; kInvalid counts as degraded.
 Health worse(Health a, Health b);
 
+/// What a step adds to a pose that is not aligned: the covariance that segmentation or prior gives,
+/// inflated alike, without the floor that only keeps a start from being too tight.
+Mat6 stepCovariance(const Mat6& covariance, const TrackingConfig& config);
+
 /// The segmentation's covariance as a start for tracking: inflated, never tighter than the floor
 /// (times `extra`). A covariance that is not one, or beyond 1 m or 1 rad, is replaced by a wide
 /// one.

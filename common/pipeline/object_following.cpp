@@ -109,9 +109,7 @@ bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState&
     const TrackResult again = search.from({start}, m);
     if (again.accepted) r = again;
   }
-  const Mat6 step_cov =
-      startCovariance(s.object.covariance, m.config.tracking, gap ? kGapInflation : 1.0);
-  setObject(r, step_cov, m);
+  setObject(r, gap ? search.start_cov : stepCovariance(s.object.covariance, m.config.tracking), m);
   m.object_found = m.object_found || r.accepted;
   const bool sure = r.accepted && !gap && !m.blind;
   // A pose in the world is worth no more than the camera's.
@@ -146,7 +144,7 @@ void coast(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
       r = search.from({start}, m);
     }
   }
-  setObject(r, startCovariance(s.object.covariance, m.config.tracking, 1.0), m);
+  setObject(r, stepCovariance(s.object.covariance, m.config.tracking), m);
   m.object_found = r.accepted;
   m.object_pose.health =
       r.accepted ? worse(Health::kTracked, m.camera_pose.health) : Health::kPriorOnly;

@@ -59,7 +59,7 @@ void settleObject(const FusionInput& f, ObjectAction action, bool fused, FusionS
 void settleResting(const SegmentationResult& s, FusionState& m) {
   Mat6& covariance = m.object_pose.covariance;
   if (m.object_pose.health >= Health::kPriorOnly) {
-    covariance += toLeft(m.object.T_FC, startCovariance(s.object.covariance, m.config.tracking, 1));
+    covariance += toLeft(m.object.T_FC, stepCovariance(s.object.covariance, m.config.tracking));
   }
   m.covariance_OC = toRight(m.object.T_FC, covariance);
 }

@@ -34,22 +34,35 @@ TEST(AlignmentCovariance, EqualBlocksAverageTheirCommonErrors) {
   const SensorModel sensor{SensorConfig()};
   const double depth = 2.0;
   const double across = CommonError::kPhase * depth / kFocal;
-  const double along = CommonError::kDepthShare * static_cast<double>(sensor.sigma(2.0F));
+  const double sigma = static_cast<double>(sensor.sigma(2.0F));
+  const double along = CommonError::kDepthShare * sigma;
+  const double nearer = CommonError::kNearerShare * sigma;
   const double h = 1e7;
   for (const int n : {1, 4, 48}) {
     const std::vector<AlignmentBlock> blocks(static_cast<std::size_t>(n),
                                              block(h * Mat6::Identity(), Vec6::Zero(), depth));
-    const Mat6 P = alignmentCovariance(blocks, kNoPrior, 10.0, kFocal, sensor);
+    const Mat6 P = alignmentCovariance(blocks, {kNoPrior, 10.0, kFocal, sensor});
     EXPECT_NEAR(P(0, 0), across * across / n + 10.0 / (n * h), 1e-12) << n;
-    EXPECT_NEAR(P(2, 2), along * along / n + 10.0 / (n * h), 1e-12) << n;
+    EXPECT_NEAR(P(2, 2), along * along / n + nearer * nearer + 10.0 / (n * h), 1e-12)
+        << n << ": the bias of all blocks does not average out";
     EXPECT_NEAR(P(4, 4), 10.0 / (n * h), 1e-12) << n;
   }
+}
+
+TEST(AlignmentCovariance, ResidualsThatAreTooLargeCount) {
+  const std::vector<AlignmentBlock> blocks(48, block(1e7 * Mat6::Identity(), Vec6::Zero(), 2.0));
+  AlignmentNoise noise{kNoPrior, 10.0, kFocal, SensorModel{SensorConfig()}};
+  const Mat6 once = alignmentCovariance(blocks, noise);
+  noise.factor = 2.0;
+  const Mat6 twice = alignmentCovariance(blocks, noise);
+  EXPECT_NEAR(twice(2, 2) / once(2, 2), 4.0, 1e-6);
+  EXPECT_NEAR(twice(5, 5) / once(5, 5), 4.0, 1e-6);
 }
 
 TEST(AlignmentCovariance, ThePriorIsWhatIsLeftWithoutBlocks) {
   Mat6 prior = Mat6::Identity() * 4.0;
   prior(0, 0) = 100.0;
-  const Mat6 P = alignmentCovariance({}, prior, 10.0, kFocal, SensorModel{SensorConfig()});
+  const Mat6 P = alignmentCovariance({}, {prior, 10.0, kFocal, SensorModel{SensorConfig()}});
   EXPECT_LT((P - prior.inverse()).norm(), 1e-12);
 }
 
@@ -95,7 +108,7 @@ TEST(AlignmentCovariance, CorrelatedPixelsDoNotPretendToBeMany) {
       for (const Vec6& j : J[k]) gradient += j * common[k];
       blocks.push_back(block(H[k], gradient, 0.0));
     }
-    const Mat6 P = alignmentCovariance(blocks, kNoPrior, 1.0, kFocal, SensorModel{exact});
+    const Mat6 P = alignmentCovariance(blocks, {kNoPrior, 1.0, kFocal, SensorModel{exact}});
     scatter += x * x.transpose() / kDraws;
     claimed += P / kDraws;
     nees += x.dot(P.ldlt().solve(x)) / 6.0 / kDraws;
