@@ -27,10 +27,22 @@ Mat6 searchedRange(const TrackingConfig& t, bool wide) {
   return out;
 }
 
+// More than half of the map in view was taken away by the mask from one frame to the next: an
+// object appears, or mask and world were swapped. True until that has become usual, in a few
+// frames.
+bool supportLost(double pairs, FusionState& m) {
+  constexpr double kHalf = 0.5;
+  constexpr double kMemory = 0.2;  // about five frames
+  const bool lost = pairs < kHalf * m.usual_pairs;
+  m.usual_pairs = m.usual_pairs > 0 ? m.usual_pairs + kMemory * (pairs - m.usual_pairs) : pairs;
+  return lost;
+}
+
 void judgeAligned(const CameraEvidence& e, FusionState& m) {
   m.camera_pose.covariance = e.track.covariance;
   m.blind = e.track.blind;
-  const bool weak = e.gap || m.blind || e.track.inliers < kSureFactor * e.min_inliers;
+  const bool sudden = supportLost(e.track.pairs, m);
+  const bool weak = e.gap || m.blind || sudden || e.track.inliers < kSureFactor * e.min_inliers;
   m.camera_pose.health = weak ? Health::kDegraded : Health::kTracked;
 }
 

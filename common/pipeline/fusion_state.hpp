@@ -41,6 +41,7 @@ struct FusionState {
   std::optional<SE3> last_prior;  ///< the camera prior's pose at the last frame
   int rejected_frames = 0;        ///< in a row, by the camera's tracking
   int contradicted_frames = 0;    ///< of those: surface was in view and did not fit
+  double usual_pairs = 0;         ///< running mean of the camera's support by the map, pixels
   Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
   BodyPose camera_pose, object_pose;
 
