@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "mapping/prediction.hpp"
-
 namespace rf {
 namespace {
 
@@ -27,17 +25,17 @@ std::vector<Oriented> stableSurfels(const SurfelMap& map, float stable) {
   return out;
 }
 
-// The object's surfels in cubic cells no smaller than the search radius, one array sorted by cell.
+// The object's surfels in cubic cells, one array sorted by cell.
 class Cells {
  public:
-  Cells(const std::vector<Oriented>& surfels, float radius) : radius_(radius) {
+  explicit Cells(const std::vector<Oriented>& surfels) {
     lower_ = upper_ = surfels.front().point;
     for (const Oriented& s : surfels) {
       lower_ = lower_.cwiseMin(s.point);
       upper_ = upper_.cwiseMax(s.point);
     }
     const Eigen::Vector3f extent = upper_ - lower_;
-    side_ = std::max(radius, extent.maxCoeff() / kMostCells);
+    side_ = std::max(kLeastSide, extent.maxCoeff() / kMostCells);
     for (int a = 0; a < 3; ++a) count_[a] = static_cast<int>(extent[a] / side_) + 1;
     begin_.assign(static_cast<std::size_t>(count_.prod()) + 1, 0);
     for (const Oriented& s : surfels) ++begin_[index(cellOf(s.point)) + 1];
@@ -50,15 +48,14 @@ class Cells {
   const Eigen::Vector3f& lower() const { return lower_; }
   const Eigen::Vector3f& upper() const { return upper_; }
 
-  // Whether a surfel within the radius faces the same side as `s`.
-  bool has(const Oriented& s) const {
-    const Eigen::Array3i centre = cellOf(s.point);
-    const Eigen::Array3i from = (centre - 1).max(0);
-    const Eigen::Array3i to = (centre + 1).min(count_ - 1);
+  // Whether a surfel within `radius` faces the same side as `s`.
+  bool has(const Oriented& s, float radius) const {
+    const Eigen::Array3i from = cellOf(s.point - Eigen::Vector3f::Constant(radius)).max(0);
+    const Eigen::Array3i to = cellOf(s.point + Eigen::Vector3f::Constant(radius)).min(count_ - 1);
     for (int z = from.z(); z <= to.z(); ++z) {
       for (int y = from.y(); y <= to.y(); ++y) {
         for (int x = from.x(); x <= to.x(); ++x) {
-          if (anyIn(index({x, y, z}), s)) return true;
+          if (anyIn(index({x, y, z}), s, radius)) return true;
         }
       }
     }
@@ -66,6 +63,7 @@ class Cells {
   }
 
  private:
+  static constexpr float kLeastSide = 0.03F;  // metres
   static constexpr float kMostCells = 96.0F;  // along an axis
   static constexpr float kSameSide = 0.3F;    // cosine: 70 degrees, edges are round in a map
 
@@ -75,17 +73,16 @@ class Cells {
   std::size_t index(const Eigen::Array3i& c) const {
     return static_cast<std::size_t>((c.z() * count_.y() + c.y()) * count_.x() + c.x());
   }
-  bool anyIn(std::size_t cell, const Oriented& s) const {
+  bool anyIn(std::size_t cell, const Oriented& s, float radius) const {
     for (std::size_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
       const Oriented& o = sorted_[i];
-      if ((o.point - s.point).squaredNorm() < radius_ * radius_ &&
-          o.normal.dot(s.normal) > kSameSide)
+      if ((o.point - s.point).squaredNorm() < radius * radius && o.normal.dot(s.normal) > kSameSide)
         return true;
     }
     return false;
   }
 
-  float radius_, side_ = 0;
+  float side_ = 0;
   Eigen::Vector3f lower_, upper_;
   Eigen::Array3i count_;
   std::vector<std::size_t> begin_;
@@ -102,7 +99,8 @@ bool meets(const SurfelBlock& b, const Eigen::Matrix3f& R_OF, const Eigen::Vecto
   return (centre.array() >= low).all() && (centre.array() <= high).all();
 }
 
-bool markShared(const Cells& cells, const RestPlace& place, float margin, SurfelBlock& b) {
+bool markShared(const Cells& cells, const RestPlace& place, SurfelBlock& b) {
+  const auto margin = static_cast<float>(place.reach_m);
   const SE3 T_OF = place.T_FO.inverse();
   const Eigen::Matrix3f R = T_OF.R().cast<float>();
   const Eigen::Vector3f t = T_OF.t.cast<float>();
@@ -115,7 +113,7 @@ bool markShared(const Cells& cells, const RestPlace& place, float margin, Surfel
     if (((point - cells.lower()).array() < -margin).any() ||
         ((point - cells.upper()).array() > margin).any())
       continue;
-    if (!cells.has({point, R * Eigen::Vector3f(b.nx[k], b.ny[k], b.nz[k])})) continue;
+    if (!cells.has({point, R * Eigen::Vector3f(b.nx[k], b.ny[k], b.nz[k])}, margin)) continue;
     b.radius[k] = 0;
     any = true;
   }
@@ -125,18 +123,16 @@ bool markShared(const Cells& cells, const RestPlace& place, float margin, Surfel
 }  // namespace
 
 std::int64_t removeShared(const SurfelMap& object, const std::vector<RestPlace>& places,
-                          const FusionConfig& config, SurfelMap& world) {
-  const std::vector<Oriented> surfels =
-      stableSurfels(object, logit(config.surfels.stable_confidence));
+                          float stable_logit, SurfelMap& world) {
+  const std::vector<Oriented> surfels = stableSurfels(object, stable_logit);
   if (surfels.empty() || places.empty()) return 0;
-  const auto margin = static_cast<float>(config.object.shared_m);
-  const Cells cells(surfels, margin);
+  const Cells cells(surfels);
   const std::int64_t before = world.size();
   for (int i = 0; i < world.blocks(); ++i) {
     SurfelBlock& b = world.block(i);
     bool any = false;
     for (const RestPlace& place : places) {
-      if (b.count > 0 && markShared(cells, place, margin, b)) any = true;
+      if (b.count > 0 && markShared(cells, place, b)) any = true;
     }
     if (any) world.compact(i);
   }

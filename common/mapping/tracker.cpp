@@ -169,9 +169,9 @@ void halveNormals(const Prediction& fine, const RgbdLevel& coarse, Prediction& o
   }
 }
 
-ReferencePoints collect(const Prediction& p, float stable_logit) {
+ReferencePoints collect(const Prediction& p, float full_logit) {
   ReferencePoints r;
-  const float stable = 1.0F / (1.0F + std::exp(-stable_logit));
+  const float full = 1.0F / (1.0F + std::exp(-full_logit));
   const auto points = static_cast<std::size_t>(
       std::count_if(p.depth.begin(), p.depth.end(), [](float z) { return z > 0; }));
   for (std::vector<float>* a : {&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz, &r.intensity, &r.weight}) {
@@ -194,7 +194,7 @@ ReferencePoints collect(const Prediction& p, float stable_logit) {
       r.ny[k] = p.ny(u, v);
       r.nz[k] = p.nz(u, v);
       r.intensity[k] = p.intensity(u, v);
-      r.weight[k] = l >= stable_logit ? 1.0F : 1.0F / (1.0F + std::exp(-l)) / stable;
+      r.weight[k] = l >= full_logit ? 1.0F : 1.0F / (1.0F + std::exp(-l)) / full;
       ++k;
     }
   }
@@ -228,15 +228,15 @@ WeightPyramid weightPyramid(Image<float> finest, int levels) {
 }
 
 std::vector<TrackReference> makeReference(const Prediction& prediction, int levels,
-                                          float stable_logit) {
+                                          float full_logit) {
   const std::vector<RgbdLevel> pyramid =
       buildPyramid(RgbdLevel{prediction.camera, prediction.intensity, prediction.depth}, levels);
   std::vector<TrackReference> reference;
-  reference.push_back({prediction.camera, collect(prediction, stable_logit)});
+  reference.push_back({prediction.camera, collect(prediction, full_logit)});
   Prediction fine, coarse;
   for (std::size_t l = 1; l < pyramid.size(); ++l) {
     halveNormals(l == 1 ? prediction : fine, pyramid[l], coarse);
-    reference.push_back({coarse.camera, collect(coarse, stable_logit)});
+    reference.push_back({coarse.camera, collect(coarse, full_logit)});
     std::swap(fine, coarse);
   }
   return reference;

@@ -32,10 +32,11 @@ struct TrackReference {
   ReferencePoints points;
 };
 
-/// The prediction as point sets of `levels` levels, finest first. Stable surfels count in full,
-/// others by their confidence. Depth and intensity of coarser levels are made like those of frames.
+/// The prediction as point sets of `levels` levels, finest first. Surfels of at least `full_logit`
+/// count in full, others by the ratio of their confidence to it. Depth and intensity of coarser
+/// levels are made like those of frames.
 std::vector<TrackReference> makeReference(const Prediction& prediction, int levels,
-                                          float stable_logit);
+                                          float full_logit);
 
 /// Front-most of two predictions from the same pose, pixel by pixel (ids are those of either).
 Prediction mergeNearest(const Prediction& a, const Prediction& b);

@@ -38,7 +38,7 @@ std::vector<TrackReference> referenceOf(const FusionState& m) {
   const bool help = m.life.phase == ObjectPhase::kResting && scarce;
   return makeReference(
       help ? mergeNearest(m.world.prediction, m.object.prediction) : m.world.prediction,
-      m.config.tracking.levels, m.stable);
+      m.config.tracking.levels, logit(m.config.tracking.full_confidence));
 }
 
 // Starts beside the segmentation's, which did not lead to the model: the camera's own velocity, the

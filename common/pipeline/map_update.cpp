@@ -2,6 +2,7 @@
 #include "pipeline/map_update.hpp"
 
 #include <cstdint>
+#include <vector>
 
 #include "mapping/body_model.hpp"
 #include "mapping/shared_place.hpp"
@@ -20,6 +21,17 @@ double missFactor(ObjectAction action, const ObjectLife& life) {
   if (action == ObjectAction::kBirth) return kCarveFactor;
   const bool young = action == ObjectAction::kMove && life.moving_frames <= kYoungFrames;
   return young ? kYoungFactor : 1.0;
+}
+
+// A place that is known to a few centimetres alone has to wait until the object has left it: what
+// stands there for good is seen then.
+std::vector<RestPlace> placesToClear(const FusionState& m) {
+  std::vector<RestPlace> out;
+  for (const RestPlace& p : m.places) {
+    const bool rough = p.reach_m > m.config.object.shared_m;
+    if (p.reach_m > 0 && !(rough && p.open)) out.push_back(p);
+  }
+  return out;
 }
 
 }  // namespace
@@ -66,9 +78,8 @@ void cleanModels(const FusionInput& f, ObjectAction action, MayFuse may, FusionS
     m.object.cleaner.clean(f.maps, m.object.T_FC, m.time, m.config, m.object.prediction.blocks,
                            m.object.map);
   }
-  const ObjectModelConfig& o = m.config.object;
-  if (m.life.phase != ObjectPhase::kNone && o.shared_m > 0 && m.time % o.shared_every == 0) {
-    removeShared(m.object.map, m.places, m.config, m.world.map);
+  if (m.life.phase != ObjectPhase::kNone && m.time % m.config.object.shared_every == 0) {
+    removeShared(m.object.map, placesToClear(m), m.stable, m.world.map);
   }
 }
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
 constexpr std::size_t kMostPlaces = 32;  // of rest that are remembered
+constexpr double kLeaving = 0.1;         // metres: nearer, a wrong label still finds the old place
+constexpr double kTurned = 0.05;         // radians: 2 cm at the side of a body of 0.8 m
 constexpr double kFewPixels = 0.3;       // of those that tracking needs
 
 // The object's pose in the world from T_FC; its covariance follows in pose_uncertainty.
@@ -211,15 +213,19 @@ bool followObject(const FusionInput& f, const SegmentationResult& s, ObjectActio
 
 void notePlace(ObjectAction action, FusionState& m) {
   const SE3 T_FO = m.T_WF.inverse() * m.T_WO;
-  const bool open = !m.places.empty() && m.places.back().left > m.time;
-  const bool gone = open && (action == ObjectAction::kMove ||
-                             (m.places.back().T_FO.t - T_FO.t).norm() > m.config.object.shared_m);
-  if (action == ObjectAction::kBirth) m.places = {{T_FO, m.time - 1}};
-  if (gone) m.places.back().left = m.time - 1;
-  if (action == ObjectAction::kRest && (!open || gone)) {
-    m.places.push_back({T_FO});
-    if (m.places.size() > kMostPlaces) m.places.erase(m.places.begin());
-  }
+  if (action == ObjectAction::kBirth) m.places = {{T_FO, m.config.object.onset_m, m.time}};
+  if (m.places.empty()) return;
+  RestPlace& last = m.places.back();
+  const Vec6 moved = (last.T_FO.inverse() * T_FO).log();
+  const double shift = (last.T_FO.t - T_FO.t).norm();
+  last.open = last.open && shift < kLeaving;
+  if (last.open) last.left = m.time;
+  const bool same =
+      last.open && shift < m.config.object.shared_m && moved.tail<3>().norm() < kTurned;
+  if (action != ObjectAction::kRest || same) return;
+  last.open = false;
+  m.places.push_back({T_FO, m.config.object.shared_m, m.time});
+  if (m.places.size() > kMostPlaces) m.places.erase(m.places.begin());
 }
 
 void judgeRestingObject(const FusionInput& f, FusionState& m) {

@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/prediction.hpp"
-
 namespace rf {
 namespace {
 
 constexpr int kSide = 12;        // surfels along a side of the patch
 constexpr double kPitch = 0.01;  // metres between them
+constexpr float kStable = -1.1F;
 
 Surfel surfelAt(const Vec3& point, const Vec3& normal, std::int32_t seen) {
   Surfel s;
@@ -46,12 +45,10 @@ SurfelMap worldPatch(const Place& place, double off, const Vec3& normal_O, std::
   return map;
 }
 
-std::int64_t left(SurfelMap world, const Place& place, double shared_m = 0.03) {
-  FusionConfig config;
-  config.object.shared_m = shared_m;
+std::int64_t left(SurfelMap world, const Place& place, double reach_m = 0.03) {
   const std::int64_t before = world.size();
   const std::int64_t removed =
-      removeShared(objectPatch(), {{place.T_FO, place.left}}, config, world);
+      removeShared(objectPatch(), {{place.T_FO, reach_m, place.left, false}}, kStable, world);
   EXPECT_EQ(world.size(), before - removed);
   return world.size();
 }
@@ -69,6 +66,7 @@ TEST(SharedPlace, LeavesWhatIsFartherFacesAnotherSideOrWasSeenAfterwards) {
   const Vec3 facing = -Vec3::UnitZ();
   const std::int64_t all = kSide * kSide;
   EXPECT_EQ(left(worldPatch(place, 0.04, facing, 40), place), all) << "farther";
+  EXPECT_EQ(left(worldPatch(place, 0.04, facing, 40), place, 0.08), 0) << "with a longer reach";
   EXPECT_EQ(left(worldPatch(place, 0.0, Vec3::UnitX(), 40), place), all) << "like the floor";
   EXPECT_EQ(left(worldPatch(place, 0.0, Vec3::UnitZ(), 40), place), all) << "a back side";
   EXPECT_EQ(left(worldPatch(place, 0.0, facing, 51), place), all) << "seen afterwards";
@@ -84,8 +82,8 @@ TEST(SharedPlace, UnstableSurfelsOfTheObjectAreNoWitnesses) {
   s.logit = -3.0F;
   object.append(s);
   SurfelMap world = worldPatch(place, 0.0, -Vec3::UnitZ(), 40);
-  EXPECT_EQ(removeShared(object, {{place.T_FO, 50}}, FusionConfig{}, world), 0);
-  EXPECT_EQ(removeShared(objectPatch(), {}, FusionConfig{}, world), 0) << "it never stood";
+  EXPECT_EQ(removeShared(object, {{place.T_FO, 0.03, 50, false}}, kStable, world), 0);
+  EXPECT_EQ(removeShared(objectPatch(), {}, kStable, world), 0) << "it never stood";
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(StateChanges, TheMapForgetsABodyThatTurnsOutToMoveAlsoWhereNothingIsSeenBeh
   Script script;
   script.end = 9;  // 15 cm: most of what it hid is still hidden
   FusionConfig off;
-  off.object.shared_m = 0;
+  off.object.shared_m = off.object.onset_m = 0;
   const int without = onBox(run(script, 20, off).world, script, 0);
   const int with = onBox(run(script, 20).world, script, 0);
   EXPECT_GT(without, 300) << "the case has something to remove";
