@@ -57,7 +57,8 @@ ResultWriter::ResultWriter(const std::string& folder, const Camera& camera, cons
       write_masks_(options.write_masks),
       camera_(in(folder, "camera.txt"), "T_WC: timestamp tx ty tz qx qy qz qw"),
       object_(in(folder, "object.txt"), "T_WO: timestamp tx ty tz qx qy qz qw"),
-      frames_(in(folder, "frames.csv")) {
+      frames_(in(folder, "frames.csv")),
+      covariances_(in(folder, "covariance.csv")) {
   std::ofstream config(in(folder, "config.yaml"), std::ios::trunc);
   config << options.config_yaml << std::flush;
   if (!config) throw DatasetError(in(folder, "config.yaml") + ": cannot be written");
@@ -79,6 +80,7 @@ void ResultWriter::add(const RgbdFrame& frame, const SegmentationResult& segment
                    mask_maker_.make(frame.depth_mm, segmentation.score, segmentation.reduction));
   }
   frames_.add(segmentation, state);
+  covariances_.add(state);
   ++frames_written_;
 }
 

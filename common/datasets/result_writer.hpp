@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/covariance_table.hpp"
 #include "datasets/frame_table.hpp"
 #include "datasets/mask_maker.hpp"
 #include "datasets/trajectory.hpp"
@@ -15,9 +16,9 @@
 
 namespace rf {
 
-/// Writes a result folder as the frames come: camera.txt, object.txt, frames.csv, masks/, at the
-/// end static.ply and object.ply, and config.yaml. Every file but the PLYs is complete after each
-/// call.
+/// Writes a result folder as the frames come: camera.txt, object.txt, frames.csv,
+/// covariance.csv, masks/, at the end static.ply and object.ply, and config.yaml. Every file but
+/// the PLYs is complete after each call.
 class ResultWriter {
  public:
   struct Options {
@@ -30,7 +31,7 @@ class ResultWriter {
   ResultWriter(const std::string& folder, const Camera& camera, const Options& options);
 
   /// Takes one frame's results. camera.txt gets a line unless the camera is lost; object.txt from
-  /// the object's birth on unless the object is lost; frames.csv always. Throws
+  /// the object's birth on unless the object is lost; frames.csv and covariance.csv always. Throws
   /// std::invalid_argument when the three are not of one frame, DatasetError when a file fails.
   void add(const RgbdFrame& frame, const SegmentationResult& segmentation, const ModelState& state);
 
@@ -58,6 +59,7 @@ class ResultWriter {
   std::optional<TrajectoryWriter> camera_prior_;
   std::optional<TrajectoryWriter> object_prior_;
   FrameTable frames_;
+  CovarianceTable covariances_;
   std::int64_t frames_written_ = 0;
   std::int64_t frames_lost_ = 0;
 };

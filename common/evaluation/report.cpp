@@ -39,13 +39,36 @@ std::string json(const ErrorStatistics& s, double unit) {
       s.count, unit * s.rmse, unit * s.mean, unit * s.median, unit * s.max);
 }
 
-std::string json(const std::optional<TrajectoryScore>& s) {
+std::string row(const char* name, const std::optional<Consistency>& s) {
+  if (!s) return {};
+  std::string text = fmt::format("{:<13} {:>7}", name, s->samples);
+  for (const Nees* n : {&s->pose, &s->translation, &s->rotation}) {
+    text += fmt::format(" {:>7.2f} {:>7.2f} {:>6.1f}", n->mean, n->median, 100 * n->share_above_95);
+  }
+  return text + fmt::format(" {:>8} {:>6}\n", s->tracked, s->misplaced);
+}
+
+std::string json(const Nees& n) {
+  return fmt::format(R"({{"mean": {:.6f}, "median": {:.6f}, "share_above_95": {:.6f}}})", n.mean,
+                     n.median, n.share_above_95);
+}
+
+std::string json(const std::optional<Consistency>& s) {
+  if (!s) return "null";
+  return fmt::format(R"({{"samples": {}, "pose": {}, "translation": {}, "rotation": {}, )"
+                     R"("tracked": {}, "misplaced": {}}})",
+                     s->samples, json(s->pose), json(s->translation), json(s->rotation), s->tracked,
+                     s->misplaced);
+}
+
+std::string json(const std::optional<TrajectoryScore>& s,
+                 const std::optional<Consistency>& consistency = std::nullopt) {
   if (!s) return "null";
   return fmt::format(
       R"({{"ate_first_cm": {}, "ate_aligned_cm": {}, "rpe_cm_per_s": {}, "rpe_deg_per_s": {}, )"
-      R"("frames": {}, "posed": {}, "matched": {}, "coverage": {:.6f}}})",
+      R"("frames": {}, "posed": {}, "matched": {}, "coverage": {:.6f}, "nees": {}}})",
       json(s->ate_first, kCm), json(s->ate_aligned, kCm), json(s->rpe.translation, kCm),
-      json(s->rpe.rotation, kDeg), s->frames, s->posed, s->matched, s->coverage);
+      json(s->rpe.rotation, kDeg), s->frames, s->posed, s->matched, s->coverage, json(consistency));
 }
 
 std::string json(const std::optional<SegmentationScore>& s) {
@@ -87,6 +110,15 @@ std::string toText(const EvaluationReport& r) {
     text += row("camera", r.camera) + row("camera prior", r.camera_prior);
     text += row("object", r.object) + row("object prior", r.object_prior);
   }
+  if (r.camera_consistency || r.object_consistency) {
+    text += fmt::format("\n{:<13} {:>7} {:^22} {:^22} {:^22} {:>8} {:>6}\n", "NEES / dof", "frames",
+                        "pose", "translation", "rotation", "tracked", "but");
+    text += fmt::format("{:<21}", "");
+    for (int i = 0; i < 3; ++i)
+      text += fmt::format(" {:>7} {:>7} {:>6}", "mean", "median", ">95 %");
+    text += fmt::format(" {:>8} {:>6}\n", "frames", ">10cm");
+    text += row("camera", r.camera_consistency) + row("object", r.object_consistency);
+  }
   if (r.fast || r.moving) {
     text +=
         fmt::format("\n{:<19} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8}\n", "segmentation",
@@ -109,8 +141,10 @@ std::string toJson(const EvaluationReport& r) {
   const auto entry = [](const char* key, const std::string& value) {
     return fmt::format("  \"{}\": {},\n", key, value);
   };
-  return "{\n" + entry("camera", json(r.camera)) + entry("camera_prior", json(r.camera_prior)) +
-         entry("object", json(r.object)) + entry("object_prior", json(r.object_prior)) +
+  return "{\n" + entry("camera", json(r.camera, r.camera_consistency)) +
+         entry("camera_prior", json(r.camera_prior)) +
+         entry("object", json(r.object, r.object_consistency)) +
+         entry("object_prior", json(r.object_prior)) +
          entry("speed_threshold_m_per_s", fmt::format("{}", r.speed_threshold)) +
          entry("segmentation_fast", json(r.fast)) + entry("segmentation_moving", json(r.moving)) +
          entry("static_model", json(r.static_model)) + entry("object_model", json(r.object_model)) +

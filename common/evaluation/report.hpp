@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/consistency.hpp"
 #include "evaluation/model_error.hpp"
 #include "evaluation/per_frame.hpp"
 #include "evaluation/segmentation_score.hpp"
@@ -19,6 +20,8 @@ struct EvaluationReport {
   std::optional<TrajectoryScore> camera_prior;
   std::optional<TrajectoryScore> object;
   std::optional<TrajectoryScore> object_prior;
+  std::optional<Consistency> camera_consistency;
+  std::optional<Consistency> object_consistency;
   double speed_threshold = 0.03;            ///< m/s
   std::optional<SegmentationScore> fast;    ///< frames with the object above the threshold
   std::optional<SegmentationScore> moving;  ///< frames in which it moves at all

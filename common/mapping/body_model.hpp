@@ -7,6 +7,7 @@
 #include "geometry/se3.hpp"
 #include "mapping/frame_maps.hpp"
 #include "mapping/fusion_config.hpp"
+#include "mapping/map_uncertainty.hpp"
 #include "mapping/prediction.hpp"
 #include "mapping/surfel_fusion.hpp"
 #include "mapping/surfel_map.hpp"
@@ -22,6 +23,7 @@ struct BodyModel {
   Predictor predictor;
   Prediction prediction;  ///< at T_FC
   SE3 T_FC;               ///< camera in the body's frame
+  MapUncertainty uncertainty;
 
   BodyModel(const FusionConfig& config, const Camera& camera);
 };

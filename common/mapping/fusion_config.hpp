@@ -54,6 +54,7 @@ struct TrackingConfig {
   double max_shift_m = 0.15;
   double max_turn_rad = 0.20;
   int min_object_pixels = 1000;
+  double full_confidence = 0.95;
 
   template <class V>
   void visit(V& v) {
@@ -94,6 +95,9 @@ struct TrackingConfig {
     v("max_turn_rad", max_turn_rad, 1e-3, 2.0, "rad", "accept: rotation from the start");
     v("min_object_pixels", min_object_pixels, 10, 1000000, "px",
       "least visible stable object pixels for tracking it (at 320x240; scales with the image)");
+    v("full_confidence", full_confidence, 0.01, 0.999, "-",
+      "static surfels count in full from here, younger ones by their confidence: they carry the "
+      "error of the pose they were made at");
   }
 };
 
@@ -158,6 +162,11 @@ struct ObjectModelConfig {
   double birth_share = 0.03;
   int false_birth_frames = 4;
   double false_birth_m = 0.02;
+  bool coast = true;
+  double join_after_s = 0.0;
+  double shared_m = 0.03;
+  double onset_m = 0.08;
+  int shared_every = 10;
 
   template <class V>
   void visit(V& v) {
@@ -165,6 +174,15 @@ struct ObjectModelConfig {
     v("false_birth_frames", false_birth_frames, 0, 100, "frames",
       "a model that moved for no more frames than this is forgotten when it stops");
     v("false_birth_m", false_birth_m, 0.0, 1.0, "m", "... unless it moved farther than this");
+    v("coast", coast, "-",
+      "an object that segmentation does not see follows its prior and is looked for there");
+    v("join_after_s", join_after_s, 0.0, 1e6, "s",
+      "an object at rest for this long becomes part of the static map; 0: never");
+    v("shared_m", shared_m, 0.0, 0.2, "m",
+      "static surfels this near to the object's surface where it stood were the object; 0: stay");
+    v("onset_m", onset_m, 0.0, 0.3, "m",
+      "the same where it stood before its first motion: it is seen to move only after a while");
+    v("shared_every", shared_every, 1, 1000, "frames", "how often they are looked for");
   }
 };
 

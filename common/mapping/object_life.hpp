@@ -7,9 +7,10 @@ namespace rf {
 
 /// Where the object model is in its life.
 enum class ObjectPhase {
-  kNone,     ///< no model
-  kMoving,   ///< tracked and growing
-  kResting,  ///< frozen: its pose in the world is constant
+  kNone,      ///< no model
+  kMoving,    ///< tracked and growing
+  kResting,   ///< frozen: its pose in the world is constant
+  kCoasting,  ///< segmentation does not see it: it goes where its prior says
 };
 
 /// What has to be done with the object model in a frame.
@@ -18,6 +19,8 @@ enum class ObjectAction {
   kBirth,    ///< make it from this frame's dynamic pixels
   kMove,     ///< T_OC <- T_OC T(xi_d), refine, fuse
   kRest,     ///< T_OC = T_WO^-1 T_WC, nothing is fused
+  kCoast,    ///< T_OC <- T_OC T(xi_d), look for the model there, nothing is fused
+  kJoin,     ///< it has rested for so long that it becomes part of the static map
   kForget,   ///< it was a false alarm: drop it
 };
 
@@ -26,9 +29,16 @@ struct ObjectLife {
   int moving_frames = 0;  ///< since birth, in total
 };
 
-/// Advances the life cycle by one frame. `moving` and `share` are the segmentation's object_moving
-/// and dynamic_share; `travelled_m` is how far the object is from where it was born.
-ObjectAction advance(ObjectLife& life, bool moving, double share, double travelled_m,
-                     const ObjectModelConfig& config);
+/// What a frame says of the object.
+struct ObjectSigns {
+  bool moving = false;     ///< segmentation's object_moving
+  bool unseen = false;     ///< segmentation's motion of it is the prior's alone
+  double share = 0;        ///< segmentation's dynamic_share
+  double travelled_m = 0;  ///< how far it is from where it was born
+  double rested_s = 0;     ///< how long it has been resting
+};
+
+/// Advances the life cycle by one frame.
+ObjectAction advance(ObjectLife& life, const ObjectSigns& signs, const ObjectModelConfig& config);
 
 }  // namespace rf

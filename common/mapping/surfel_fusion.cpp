@@ -45,8 +45,8 @@ void applyUpdate(SurfelBlock& b, std::size_t k, const PixelUpdate& m, std::int32
                  float max_logit, float max_weight) {
   if (b.seen[k] != time || m.log_odds < 0)
     b.logit[k] = std::min(b.logit[k] + m.log_odds, max_logit);
-  b.seen[k] = time;
   if (!(m.weight > 0)) return;
+  b.seen[k] = time;
   const float blend = m.weight / (b.weight[k] + m.weight);
   const Eigen::Vector3f p(b.x[k], b.y[k], b.z[k]);
   const Eigen::Vector3f n(b.nx[k], b.ny[k], b.nz[k]);

@@ -24,7 +24,7 @@ struct Surfel {
   float weight = 0;                                  ///< accumulated averaging weight
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();  ///< red, green, blue, 0..255
   std::int32_t born = 0;                             ///< frame counter at creation
-  std::int32_t seen = 0;                             ///< frame counter of the last match
+  std::int32_t seen = 0;  ///< frame counter of the last measurement it took
 };
 
 /// Up to kBlockSize surfels of one map cell, one array per attribute. Slots from `count` on have

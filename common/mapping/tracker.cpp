@@ -11,6 +11,8 @@
 
 #include "geometry/parallel.hpp"
 #include "geometry/pyramid.hpp"
+#include "mapping/alignment_covariance.hpp"
+#include "mapping/sensor_model.hpp"
 
 namespace rf {
 namespace {
@@ -25,13 +27,26 @@ KernelSums sumRows(const ReferencePoints& points, const KernelInput& input) {
   });
 }
 
-Mat6 symmetric(const std::array<double, 21>& upper) {
-  Mat6 H;
-  std::size_t k = 0;
-  for (int r = 0; r < 6; ++r) {
-    for (int c = r; c < 6; ++c) H(r, c) = H(c, r) = upper[k++];
-  }
-  return H;
+constexpr double kEnoughWeight = 50.0;    // pixels, to compare brightness
+constexpr double kEnoughVariance = 1e-3;  // of the model's intensity: 0.03 standard deviation
+constexpr double kBlankVariance = 1e-4;   // of an image: three grey levels, little more than noise
+
+// Second moments of the model's (P) and the image's (C) intensity over the pairs.
+struct Brightness {
+  double mean_p = 0, mean_c = 0, var_p = 0, var_c = 0, cov = 0;
+  bool plain = true;  // too few pairs or too little contrast of the model to compare
+};
+
+Brightness brightnessOf(const KernelSums& s) {
+  Brightness b;
+  if (!(s.sw > kEnoughWeight)) return b;
+  b.mean_p = s.sp / s.sw;
+  b.mean_c = s.sc / s.sw;
+  b.var_p = s.spp / s.sw - b.mean_p * b.mean_p;
+  b.var_c = s.scc / s.sw - b.mean_c * b.mean_c;
+  b.cov = s.spc / s.sw - b.mean_p * b.mean_c;
+  b.plain = !(b.var_p > kEnoughVariance);
+  return b;
 }
 
 // Robust scales and brightness for the next iteration, from this one's residuals.
@@ -44,13 +59,11 @@ void adapt(const KernelSums& s, KernelInput& input) {
   };
   input.scale_depth = scale(s.abs_depth, s.weight_depth);
   input.scale_intensity = scale(s.abs_intensity, s.weight_intensity);
-  if (!(s.sw > 50.0)) return;
-  const double mp = s.sp / s.sw, mc = s.sc / s.sw;
-  const double var = s.spp / s.sw - mp * mp;
-  double gain = var > 1e-3 ? (s.spc / s.sw - mp * mc) / var : 1.0;
-  gain = std::clamp(gain, 0.8, 1.25);
+  if (!(s.sw > kEnoughWeight)) return;
+  const Brightness b = brightnessOf(s);
+  const double gain = std::clamp(b.plain ? 1.0 : b.cov / b.var_p, 0.8, 1.25);
   input.gain = static_cast<float>(gain);
-  input.offset = static_cast<float>(std::clamp(mc - gain * mp, -0.2, 0.2));
+  input.offset = static_cast<float>(std::clamp(b.mean_c - gain * b.mean_p, -0.2, 0.2));
 }
 
 void setPose(const SE3& T_PC, KernelInput& input) {
@@ -67,6 +80,8 @@ struct Estimate {
   SE3 T_PC;
   Mat6 information = Mat6::Zero();
   KernelSums sums;
+  KernelInput input;      // of the last step, with its scales and brightness
+  std::size_t level = 0;  // and its level
   int iterations = 0;
 };
 
@@ -78,7 +93,8 @@ void refineLevel(const TrackReference& reference, KernelInput input, const SE3& 
     setPose(e.T_PC, input);
     e.sums = sumRows(reference.points, input);
     adapt(e.sums, input);
-    const Mat6 H = symmetric(e.sums.H) / c.correlation;
+    e.input = input;
+    const Mat6 H = hessianOf(e.sums) / c.correlation;
     const Vec6 b = Eigen::Map<const Vec6>(e.sums.b.data()) / c.correlation;
     const Vec6 from_start = (start.inverse() * e.T_PC).log();
     e.information = H + prior;
@@ -115,6 +131,12 @@ std::string verdict(const TrackResult& r, const SE3& start, const Mat6& start_co
   return {};
 }
 
+void compareBrightness(const KernelSums& sums, TrackResult& r) {
+  const Brightness b = brightnessOf(sums);
+  r.blind = !b.plain && b.var_c < kBlankVariance;
+  r.likeness = b.plain || r.blind ? 1.0 : b.cov / std::sqrt(b.var_p * b.var_c);
+}
+
 // 2x2 mean of normals that agree with the coarser level's having depth there.
 void halveNormals(const Prediction& fine, const RgbdLevel& coarse, Prediction& out) {
   out = Prediction::nothing(coarse.camera);
@@ -147,9 +169,9 @@ void halveNormals(const Prediction& fine, const RgbdLevel& coarse, Prediction& o
   }
 }
 
-ReferencePoints collect(const Prediction& p, float stable_logit) {
+ReferencePoints collect(const Prediction& p, float full_logit) {
   ReferencePoints r;
-  const float stable = 1.0F / (1.0F + std::exp(-stable_logit));
+  const float full = 1.0F / (1.0F + std::exp(-full_logit));
   const auto points = static_cast<std::size_t>(
       std::count_if(p.depth.begin(), p.depth.end(), [](float z) { return z > 0; }));
   for (std::vector<float>* a : {&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz, &r.intensity, &r.weight}) {
@@ -172,7 +194,7 @@ ReferencePoints collect(const Prediction& p, float stable_logit) {
       r.ny[k] = p.ny(u, v);
       r.nz[k] = p.nz(u, v);
       r.intensity[k] = p.intensity(u, v);
-      r.weight[k] = l >= stable_logit ? 1.0F : 1.0F / (1.0F + std::exp(-l)) / stable;
+      r.weight[k] = l >= full_logit ? 1.0F : 1.0F / (1.0F + std::exp(-l)) / full;
       ++k;
     }
   }
@@ -206,15 +228,15 @@ WeightPyramid weightPyramid(Image<float> finest, int levels) {
 }
 
 std::vector<TrackReference> makeReference(const Prediction& prediction, int levels,
-                                          float stable_logit) {
+                                          float full_logit) {
   const std::vector<RgbdLevel> pyramid =
       buildPyramid(RgbdLevel{prediction.camera, prediction.intensity, prediction.depth}, levels);
   std::vector<TrackReference> reference;
-  reference.push_back({prediction.camera, collect(prediction, stable_logit)});
+  reference.push_back({prediction.camera, collect(prediction, full_logit)});
   Prediction fine, coarse;
   for (std::size_t l = 1; l < pyramid.size(); ++l) {
     halveNormals(l == 1 ? prediction : fine, pyramid[l], coarse);
-    reference.push_back({coarse.camera, collect(coarse, stable_logit)});
+    reference.push_back({coarse.camera, collect(coarse, full_logit)});
     std::swap(fine, coarse);
   }
   return reference;
@@ -275,6 +297,7 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
   for (std::size_t l = levels; l-- > 0;) {
     KernelInput input = kernelInput(frame[l], weights[l], e.T_PC, config);
     input.distance *= 1.0F + static_cast<float>(c.coarse_distance) * static_cast<float>(l);
+    if ((l == 0 ? c.iterations_fine : c.iterations_coarse) > 0) e.level = l;
     refineLevel(reference[l], input, start, prior, l == 0 ? c.iterations_fine : c.iterations_coarse,
                 c, e);
   }
@@ -284,6 +307,7 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
   r.covariance = inverseOf(e.information);
   const KernelSums& s = e.sums;
   r.inliers = s.inliers;
+  r.pairs = s.pairs;
   r.inlier_share = s.pairs > 0 ? s.inliers / s.pairs : 0;
   r.visible_share = s.in_view > 0 ? s.pairs / s.in_view : 0;
   r.rms_sigma = s.inliers > 0 ? std::sqrt(s.inlier_r2 / s.inliers) : 0;
@@ -291,9 +315,16 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
   const double pixels = frame.empty() ? 0.0 : static_cast<double>(frame.front().depth.size());
   r.reason = verdict(r, start, start_cov, min_inliers, pixels, c);
   r.accepted = r.reason.empty();
+  compareBrightness(s, r);
   if (!r.accepted) {
     r.T_PC = start;
     r.covariance = start_cov;
+  } else if (e.iterations > 0) {
+    setPose(e.T_PC, e.input);
+    const TrackReference& last = reference[e.level];
+    r.covariance = alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input),
+                                       {prior, c.correlation, last.camera.fx,
+                                        SensorModel(config.sensor), std::max(1.0, r.rms_sigma)});
   }
   return r;
 }

@@ -32,23 +32,27 @@ struct TrackReference {
   ReferencePoints points;
 };
 
-/// The prediction as point sets of `levels` levels, finest first. Stable surfels count in full,
-/// others by their confidence. Depth and intensity of coarser levels are made like those of frames.
+/// The prediction as point sets of `levels` levels, finest first. Surfels of at least `full_logit`
+/// count in full, others by the ratio of their confidence to it. Depth and intensity of coarser
+/// levels are made like those of frames.
 std::vector<TrackReference> makeReference(const Prediction& prediction, int levels,
-                                          float stable_logit);
+                                          float full_logit);
 
 /// Front-most of two predictions from the same pose, pixel by pixel (ids are those of either).
 Prediction mergeNearest(const Prediction& a, const Prediction& b);
 
 struct TrackResult {
   SE3 T_PC;                            ///< current camera in the prediction's camera frame
-  Mat6 covariance = Mat6::Identity();  ///< right perturbation, translation first; from the normal
-                                       ///< equations, inflated for the correlation of pixels
+  Mat6 covariance = Mat6::Identity();  ///< right perturbation, translation first, given the model:
+                                       ///< see alignment_covariance.hpp
   double inliers = 0;                  ///< weighted count, finest level
-  double inlier_share = 0;             ///< of the pairs in view
+  double pairs = 0;  ///< weighted count of points of the model with a measurement not before them
+  double inlier_share = 0;   ///< of the pairs in view
   double visible_share = 0;  ///< of the model's pixels in view, not hidden by something nearer
   double rms_sigma = 0;      ///< whitened depth residual of the inliers
   double rms_m = 0;          ///< the same in metres
+  double likeness = 1;  ///< correlation of image and model, -1..1; 1 where the model is too plain
+  bool blind = false;   ///< the model has contrast where the image has none
   int iterations = 0;
   bool accepted = false;
   std::string reason;  ///< why not accepted: empty, else a short ASCII phrase with numbers

@@ -191,6 +191,7 @@ void addStatistics(const Rows& r, std::size_t n, KernelSums& s) {
   s.sc += dot(r.wi, r.ic, n);
   s.spp += dot3(r.wi, r.ip, r.ip, n);
   s.spc += dot3(r.wi, r.ip, r.ic, n);
+  s.scc += dot3(r.wi, r.ic, r.ic, n);
 }
 
 }  // namespace
@@ -225,6 +226,7 @@ KernelSums& KernelSums::operator+=(const KernelSums& o) {
   sc += o.sc;
   spp += o.spp;
   spc += o.spc;
+  scc += o.scc;
   return *this;
 }
 

@@ -57,7 +57,8 @@ struct KernelSums {
   double inlier_m2 = 0;                    ///< ... in square metres
   double weight_depth = 0, abs_depth = 0;  ///< for the next robust scale
   double weight_intensity = 0, abs_intensity = 0;
-  double sw = 0, sp = 0, sc = 0, spp = 0, spc = 0;  ///< for brightness: sums of w, I_P, I_C, ...
+  double sw = 0, sp = 0, sc = 0, spp = 0, spc = 0,
+         scc = 0;  ///< for brightness: sums of w, I_P, I_C, ...
 
   KernelSums& operator+=(const KernelSums& o);
 };

@@ -22,7 +22,7 @@ void Inbox::push(Box box, RawMessage message) {
   if (closed_) return;
   if (mailbox.messages.size() >= mailbox.capacity) {
     mailbox.messages.pop_front();
-    ++dropped_;
+    if (mailbox.overflow == Overflow::kDropOldest) ++dropped_;
   }
   mailbox.messages.push_back(std::move(message));
   ++pushed_;

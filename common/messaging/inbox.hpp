@@ -23,6 +23,7 @@ struct RawMessage {
 /// What a full mailbox does with one message more.
 enum class Overflow {
   kDropOldest,  ///< live input: the oldest gives way and is counted
+  kSupersede,   ///< heartbeats and states: the oldest gives way and nothing is lost, not counted
   kWait,        ///< files: the reader waits until there is room
 };
 
@@ -43,6 +44,7 @@ class Inbox {
   /// Wakes every waiter; later pushes are ignored.
   void close();
 
+  /// Messages that gave way in mailboxes of kDropOldest.
   std::int64_t dropped() const;
   std::size_t depth() const;
   std::size_t capacity() const;

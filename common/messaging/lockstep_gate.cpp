@@ -35,8 +35,8 @@ void addLockstepOptions(CLI::App& app, LockstepOptions& options) {
 LockstepGate::LockstepGate(Service& service, const LockstepOptions& options)
     : service_(service),
       options_(options),
-      states_(service.listen(Side::kState, "RF_MODEL_STATE", 16)),
-      statuses_(service.listen(Side::kState, "RF_STATUS_.*", 64)) {}
+      states_(service.listen(Side::kState, "RF_MODEL_STATE", 16, Overflow::kSupersede)),
+      statuses_(service.listen(Side::kState, "RF_STATUS_.*", 64, Overflow::kSupersede)) {}
 
 void LockstepGate::awaitServices() {
   std::set<std::string> missing(options_.await.begin(), options_.await.end());

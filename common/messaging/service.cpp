@@ -80,8 +80,9 @@ Service::Service(const std::string& name, const ServiceOptions& options)
 
 Service::~Service() { stop(); }
 
-Inbox::Box Service::listen(Side side, const std::string& channel_regex, std::size_t capacity) {
-  const auto overflow = bus(side).liveInput() ? Overflow::kDropOldest : Overflow::kWait;
+Inbox::Box Service::listen(Side side, const std::string& channel_regex, std::size_t capacity,
+                           Overflow live) {
+  const auto overflow = bus(side).liveInput() ? live : Overflow::kWait;
   const auto box = inbox_.addBox(capacity, overflow);
   bus(side).subscribe(channel_regex, inbox_, box);
   return box;

@@ -65,8 +65,9 @@ class Service {
   Service(const std::string& name, const ServiceOptions& options);
   ~Service();
 
-  /// Before start().
-  Inbox::Box listen(Side side, const std::string& channel_regex, std::size_t capacity);
+  /// Before start(). `live`: what a full mailbox does when the input is not a file (files wait).
+  Inbox::Box listen(Side side, const std::string& channel_regex, std::size_t capacity,
+                    Overflow live = Overflow::kDropOldest);
   /// Buses and heartbeat run, state "waiting": the ready message.
   void start();
   /// State "stopping" goes out, the buses end.

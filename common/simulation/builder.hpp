@@ -59,6 +59,11 @@ struct RoomSize {
 /// reaches at most 0.75 m from a wall).
 void buildRoom(World& world, const RoomSize& size, std::uint64_t seed);
 
+/// A folding screen in the room: three leaves side by side, a poster on each, as part of the static
+/// world. It stands at `place` on the floor, its leaves facing -x, `width` along y.
+void buildScreen(World& world, const Eigen::Vector2d& place, double width, double height,
+                 std::uint64_t seed);
+
 /// Extents of a carried stack: its base stands on a small wheeled carrier.
 struct StackSize {
   Vec3 extent = {0.4, 0.6, 1.0};  ///< of the boxes, metres

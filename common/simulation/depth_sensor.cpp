@@ -111,7 +111,8 @@ float quantised(float z) {
 
 double depthSigma(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
 
-DepthOutput senseDepth(const DepthInput& in, const Camera& camera, std::uint64_t key) {
+DepthOutput senseDepth(const DepthInput& in, const Camera& camera, std::uint64_t key,
+                       float noise_factor) {
   const int width = camera.width;
   const int height = camera.height;
   const Fields fields = noiseFields(width, height, key);
@@ -135,7 +136,7 @@ DepthOutput senseDepth(const DepthInput& in, const Camera& camera, std::uint64_t
       if (z <= 0 || shadow(su, sv) != 0) continue;
       if (!patternSeen(z, cosine, in.infrared(su, sv), fields.fade(u, v))) continue;
       const float slant = std::min(1.6F, 1.0F / std::sqrt(std::max(cosine, 0.05F)));
-      const float noise = 0.85F * fields.fine(u, v) + 0.527F * fields.coarse(u, v);
+      const float noise = noise_factor * (0.85F * fields.fine(u, v) + 0.527F * fields.coarse(u, v));
       const float measured = quantised(std::max(0.2F, z + slant * sigmaBeforeSteps(z) * noise));
       if (measured < kNearest || measured > kFarthest) continue;
       out.depth(u, v) =

@@ -30,8 +30,9 @@ struct DepthOutput {
 /// of the pattern comes back (dark, slanted, far) or the projector, 7.5 cm beside the camera, is
 /// hidden; range 0.4 to 5 m; an empty border that comes from registering depth to colour. The mask
 /// tells of which body the measured surface is. The key decides the noise; the same for any thread
-/// count.
-DepthOutput senseDepth(const DepthInput& input, const Camera& camera, std::uint64_t key);
+/// count. `noise` scales the standard deviation that is not of the disparity steps.
+DepthOutput senseDepth(const DepthInput& input, const Camera& camera, std::uint64_t key,
+                       float noise = 1.0F);
 
 /// Standard deviation of a measurement at z metres, quantisation included.
 double depthSigma(double z);

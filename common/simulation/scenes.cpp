@@ -206,6 +206,39 @@ void twoObjects(World& world, std::uint64_t seed) {
   buildStack(world, 2, small, seed);
 }
 
+/// A slow drive to the side, so that the camera's path does not hide what the object does.
+void ambleSideways(World& world) {
+  const PlanarMotion camera(PlanarPath({{-0.45, -0.45}, {-0.4, 0.0}, {-0.45, 0.45}}),
+                            cruise(0.2, 14.8));
+  setCamera(world, 0.85, 0.05, along(camera), swing(0.0, 0.03, 10.0));
+}
+
+/// Out of the view to the left, on a curve where nobody sees it, and back in.
+void leave(World& world, std::uint64_t seed) {
+  ambleSideways(world);
+  const PlanarMotion object(PlanarPath({{1.1, -0.35},
+                                        {1.15, 0.4},
+                                        {1.05, 1.15},
+                                        {1.0, 1.7},
+                                        {1.3, 1.75},
+                                        {1.45, 1.2},
+                                        {1.35, 0.5},
+                                        {1.3, 0.0}}),
+                            Profile({{1.0, 0}, {2.2, 1}, {12.0, 1}, {13.2, 0}}));
+  addMotion(world, along(object), turning(object, 0.0, 0.12));
+  buildStack(world, 1, {}, seed);
+}
+
+/// Behind a folding screen, hidden from top to wheels for about a second, and on.
+void behind(World& world, std::uint64_t seed) {
+  ambleSideways(world);
+  const PlanarMotion object(PlanarPath({{1.75, -0.8}, {1.8, 0.0}, {1.85, 0.8}, {1.7, 1.15}}),
+                            Profile({{1.0, 0}, {2.2, 1}, {9.8, 1}, {11.0, 0}}));
+  addMotion(world, along(object), turning(object, 0.0, 0.05));
+  buildStack(world, 1, {}, seed);
+  buildScreen(world, {0.9, 0.2}, 0.44, 1.5, seed);
+}
+
 }  // namespace
 
 const std::vector<SceneInfo>& scenes() {
@@ -218,7 +251,9 @@ const std::vector<SceneInfo>& scenes() {
         {"sideway", 450, "camera moves sideways, the object zig-zags towards it and away"},
         {"held", 360, "camera rests, a hand waves a carton close to it"},
         {"loop", 450, "nothing moves but the camera: a circle with a full turn, closed"},
-        {"two_objects", 450, "camera moves sideways, two stacks move independently"}};
+        {"two_objects", 450, "camera moves sideways, two stacks move independently"},
+        {"leave", 450, "the object drives out of the view, turns round unseen and comes back"},
+        {"behind", 450, "the object passes behind a folding screen, hidden for about a second"}};
     for (const int share : {14, 30, 40, 43, 50, 55, 60, 65, 70, 72, 75, 80, 85}) {
       out.push_back({"size0" + std::to_string(share), 180,
                      "a broad stack passes close by, about " + std::to_string(share) +
@@ -256,6 +291,8 @@ World buildWorld(const std::string& scene, std::uint64_t seed) {
   if (scene == "held") held(world, seed);
   if (scene == "loop") loop(world, seed);
   if (scene == "two_objects") twoObjects(world, seed);
+  if (scene == "leave") leave(world, seed);
+  if (scene == "behind") behind(world, seed);
   if (scene.starts_with("size0")) sizeSweep(world, seed, std::stod(scene.substr(5)) / 100.0);
   return world;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "geometry/parallel.hpp"
 #include "simulation/colour_camera.hpp"
@@ -27,8 +28,16 @@ std::vector<SE3> bodiesInCamera(const World& world, double seconds) {
 
 }  // namespace
 
-Simulator::Simulator(const std::string& scene, std::uint64_t seed)
-    : seed_(seed), world_(buildWorld(scene, seed)), lamps_(world_), baked_(world_, lamps_) {}
+Simulator::Simulator(const std::string& scene, std::uint64_t seed, double noise)
+    : seed_(seed),
+      noise_(static_cast<float>(noise)),
+      world_(buildWorld(scene, seed)),
+      lamps_(world_),
+      baked_(world_, lamps_) {
+  if (!(noise >= 0 && std::isfinite(noise))) {
+    throw std::invalid_argument("noise factor: must be finite and not negative");
+  }
+}
 
 std::int64_t Simulator::utime(int k) {
   return kStartUtime + (static_cast<std::int64_t>(k) * 1'000'000 + 15) / 30;
@@ -47,14 +56,16 @@ SimulatedFrame Simulator::frame(int k) const {
   Shaded shaded = shade(world_, lamps_, baked_, caster, surface, out.T_WB, out.T_WC);
   DepthOutput depth = senseDepth(
       {surface.z, std::move(shaded.cosine), std::move(shaded.infrared), std::move(shaded.body)},
-      world_.camera, scramble(key, 1));
+      world_.camera, scramble(key, 1), noise_);
   out.depth = std::move(depth.depth);
   out.mask = std::move(depth.mask);
   const Image<Eigen::Vector2f> flow = shutterFlow(world_, surface, bodiesInCamera(world_, seconds),
                                                   bodiesInCamera(world_, seconds - 0.5 * kShutter),
                                                   bodiesInCamera(world_, seconds + 0.5 * kShutter));
   const Image<Eigen::Vector3f> light = blurred(shaded.light, flow);
-  out.colour = develop(light, responseAt(k, seed_, light), scramble(key, 2));
+  ColourResponse response = responseAt(k, seed_, light);
+  response.noise *= noise_;
+  out.colour = develop(light, response, scramble(key, 2));
   out.true_z = surface.z;
   return out;
 }

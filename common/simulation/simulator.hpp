@@ -27,8 +27,9 @@ struct SimulatedFrame {
 /// Renders a scene frame by frame. Frame k is a function of (scene, seed, k) alone. Thread-safe.
 class Simulator {
  public:
-  /// Throws std::invalid_argument for an unknown scene.
-  Simulator(const std::string& scene, std::uint64_t seed);
+  /// `noise` scales the noise of depth (beside its disparity steps) and of the picture. Throws
+  /// std::invalid_argument for an unknown scene and a factor that is negative or not finite.
+  Simulator(const std::string& scene, std::uint64_t seed, double noise = 1.0);
 
   const World& world() const { return world_; }
   int frames() const { return world_.frames; }
@@ -38,6 +39,7 @@ class Simulator {
 
  private:
   std::uint64_t seed_;
+  float noise_;
   World world_;
   LampLight lamps_;
   BakedLight baked_;

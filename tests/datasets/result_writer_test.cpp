@@ -100,6 +100,10 @@ TEST(ResultWriter, EveryFrameHasALineOrIsListedAsLost) {
   EXPECT_EQ(readPly(out + "/object.ply").size(), 0U);
   EXPECT_EQ(readGreyImage(out + "/masks/3.000000.png", 32, 24)(1, 1), kMaskStatic);
 
+  const CovarianceFile covariances = readCovariances(out + "/covariance.csv");
+  EXPECT_EQ(covariances.camera.size(), 3U) << "lost frames too, missing ones not";
+  EXPECT_EQ(covariances.object.size(), 1U);
+
   const std::string csv = TempFolder::read(out + "/frames.csv");
   std::istringstream rows(csv);
   std::string row;

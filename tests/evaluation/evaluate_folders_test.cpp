@@ -8,6 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "../datasets/temp_folder.hpp"
+#include "datasets/covariance_table.hpp"
 #include "datasets/error.hpp"
 #include "datasets/image_files.hpp"
 #include "datasets/text.hpp"
@@ -62,6 +63,33 @@ class Sequence {
     return m;
   }
 };
+
+TEST(EvaluateFolders, ComparesErrorsWithCovariances) {
+  const TempFolder folder;
+  const Sequence sequence(folder);
+  EXPECT_FALSE(evaluateFolders(sequence.request).camera_consistency);
+  CovarianceTable table(folder / "res/covariance.csv");
+  for (int i = 0; i < 60; ++i) {
+    ModelState state;
+    state.utime = i * 50000;
+    state.object_exists = i >= 25;
+    // 1 cm/s too fast: sigma grows alike, along x; the object is right.
+    const double sigma = 1e-6 + 0.01 * 0.05 * i;
+    state.camera.covariance = state.object.covariance = sigma * sigma * Mat6::Identity();
+    state.camera.health = state.object.health = Health::kTracked;
+    table.add(state);
+  }
+  const EvaluationReport r = evaluateFolders(sequence.request);
+  ASSERT_TRUE(r.camera_consistency && r.object_consistency);
+  EXPECT_EQ(r.camera_consistency->samples, 58U);
+  EXPECT_NEAR(r.camera_consistency->pose.mean, 1.0 / 6.0, 0.01);
+  EXPECT_NEAR(r.camera_consistency->translation.mean, 1.0 / 3.0, 0.01);
+  EXPECT_EQ(r.camera_consistency->misplaced, 0U);
+  EXPECT_NEAR(r.object_consistency->pose.mean, 0, 1e-6);
+  const YAML::Node json = YAML::Load(toJson(r));
+  EXPECT_NEAR(json["camera"]["nees"]["pose"]["mean"].as<double>(), 1.0 / 6.0, 0.01);
+  EXPECT_EQ(json["object"]["nees"]["samples"].as<int>(), 34);
+}
 
 TEST(EvaluateFolders, MeasuresAllThatIsThere) {
   const TempFolder folder;

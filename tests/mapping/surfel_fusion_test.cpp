@@ -9,7 +9,6 @@
 #include "analytic_scene.hpp"
 #include "geometry/pyramid.hpp"
 #include "mapping/body_model.hpp"
-#include "mapping/object_life.hpp"
 
 namespace rf {
 namespace {
@@ -160,26 +159,6 @@ TEST(FrameMaps, WeighsPixelsNearTheMaskBorderDown) {
   EXPECT_EQ(w.world.interior(9, 10), 0);
   EXPECT_EQ(w.object.interior(10, 10), 0);
   EXPECT_EQ(w.object.interior(11, 10), 1);
-}
-
-TEST(ObjectLife, GoesThroughBirthRestWakeUpAndFalseAlarm) {
-  const ObjectModelConfig config;
-  ObjectLife life;
-  EXPECT_EQ(advance(life, false, 0.0, 0, config), ObjectAction::kNothing);
-  EXPECT_EQ(advance(life, true, 0.01, 0, config), ObjectAction::kNothing) << "too small a share";
-  EXPECT_EQ(advance(life, true, std::numeric_limits<double>::quiet_NaN(), 0, config),
-            ObjectAction::kNothing);
-  EXPECT_EQ(advance(life, true, 0.2, 0, config), ObjectAction::kBirth);
-  EXPECT_EQ(advance(life, true, 0.2, 0.01, config), ObjectAction::kMove);
-  EXPECT_EQ(advance(life, false, 0.0, 0.01, config), ObjectAction::kForget);
-  EXPECT_EQ(life.phase, ObjectPhase::kNone);
-  EXPECT_EQ(advance(life, true, 0.2, 0, config), ObjectAction::kBirth);
-  for (int i = 0; i < 10; ++i)
-    EXPECT_EQ(advance(life, true, 0.01, 0.05, config), ObjectAction::kMove);
-  EXPECT_EQ(advance(life, false, 0.0, 0.1, config), ObjectAction::kRest);
-  EXPECT_EQ(advance(life, false, 0.0, 0.1, config), ObjectAction::kRest);
-  EXPECT_EQ(life.phase, ObjectPhase::kResting);
-  EXPECT_EQ(advance(life, true, 0.2, 0.1, config), ObjectAction::kMove);
 }
 
 }  // namespace

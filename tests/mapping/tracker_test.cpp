@@ -202,5 +202,22 @@ TEST(Tracker, RobustWeightsFallAsTheirKernelsSay) {
   EXPECT_THROW(kernelByName("geman"), std::invalid_argument);
 }
 
+TEST(Tracker, YoungSurfelsCountByTheirConfidence) {
+  Prediction p = Prediction::nothing(test::testCamera(64, 48));
+  const auto set = [&](int u, double confidence) {
+    p.depth(u, 20) = 2.0F;
+    p.nz(u, 20) = -1.0F;
+    p.logit(u, 20) = logit(confidence);
+  };
+  set(10, 0.99);
+  set(11, 0.90);
+  set(12, 0.30);
+  const std::vector<TrackReference> reference = makeReference(p, 1, logit(0.9));
+  ASSERT_EQ(reference[0].points.size(), 3U);
+  EXPECT_FLOAT_EQ(reference[0].points.weight[0], 1.0F);
+  EXPECT_FLOAT_EQ(reference[0].points.weight[1], 1.0F);
+  EXPECT_NEAR(reference[0].points.weight[2], 0.3F / 0.9F, 1e-5F);
+}
+
 }  // namespace
 }  // namespace rf

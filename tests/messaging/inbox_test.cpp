@@ -25,6 +25,15 @@ TEST(Inbox, OverflowDropsTheOldestAndCounts) {
   EXPECT_FALSE(inbox.pop(box));
 }
 
+TEST(Inbox, SupersededHeartbeatsAreNoDrops) {
+  Inbox inbox;
+  const auto box = inbox.addBox(2, Overflow::kSupersede);
+  for (std::uint8_t i = 0; i < 9; ++i) inbox.push(box, message(i));
+  EXPECT_EQ(inbox.dropped(), 0);
+  EXPECT_EQ(inbox.pop(box)->bytes[0], 7);
+  EXPECT_EQ(inbox.pop(box)->bytes[0], 8);
+}
+
 TEST(Inbox, BoxesDoNotDisplaceEachOther) {
   Inbox inbox;
   const auto images = inbox.addBox(1);

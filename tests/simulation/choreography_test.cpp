@@ -149,6 +149,43 @@ TEST(Choreography, OtherScenes) {
   EXPECT_EQ(loop.bodies, 1);
 }
 
+/// Seconds of the longest time without a single sensed pixel of the moving body, and when it began.
+struct Absence {
+  double seconds = 0, begin = 0;
+};
+
+Absence longestAbsence(const World& world) {
+  constexpr int kEvery = 3;
+  Absence longest;
+  int hidden = 0;
+  for (int k = 0; k < world.frames; k += kEvery) {
+    hidden = sensedShare(world, k / kFrameRate) > 0 ? 0 : hidden + kEvery;
+    if (hidden / kFrameRate > longest.seconds) {
+      longest = {hidden / kFrameRate, (k + kEvery - hidden) / kFrameRate};
+    }
+  }
+  return longest;
+}
+
+TEST(Choreography, ObjectLeavesTheViewAndPassesBehindAScreen) {
+  for (const char* scene : {"leave", "behind"}) {
+    World world = buildWorld(scene, 1);
+    print(scene, 1, look(scene, 1));
+    EXPECT_GT(sensedShare(world, 0.0), 0.08) << scene;
+    EXPECT_GT(sensedShare(world, world.frames / kFrameRate), 0.08) << scene << " comes back";
+    world.camera = world.camera.reduced(4);
+    const Absence gone = longestAbsence(world);
+    std::printf("%s: gone for %.2f s from %.2f s on\n", scene, gone.seconds, gone.begin);
+    const bool leaves = std::string(scene) == "leave";
+    EXPECT_GT(gone.seconds, leaves ? 1.5 : 0.7) << scene;
+    EXPECT_LT(gone.seconds, leaves ? 5.0 : 1.6) << scene;
+    const double middle = gone.begin + 0.5 * gone.seconds;
+    const double step = 1.0 / kFrameRate;
+    EXPECT_GT((world.body_at[0](middle + step).t - world.body_at[0](middle).t).norm(), 0.1 * step)
+        << scene << ": it moves while it is hidden";
+  }
+}
+
 TEST(Choreography, UnknownSceneNamesTheKnown) {
   try {
     buildWorld("nowhere", 1);

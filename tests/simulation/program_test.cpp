@@ -77,7 +77,7 @@ TEST_F(RfSimulate, ListsItsScenes) {
   ASSERT_EQ(run({"--list"}), 0);
   const std::string list = text(folder_ / "stdout");
   for (const char* scene : {"straight", "orbit", "overtake", "sideway", "size030", "size085",
-                            "held", "loop", "two_objects"}) {
+                            "held", "loop", "two_objects", "leave", "behind"}) {
     EXPECT_NE(list.find(scene), std::string::npos) << scene;
   }
 }

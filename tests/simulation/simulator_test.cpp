@@ -31,6 +31,8 @@ TEST(Simulator, SameSeedSameBytesForAnyThreadCount) {
   EXPECT_NE(frame.colour, different.colour);
   EXPECT_NE(frame.depth, different.depth);
   EXPECT_EQ(frame.T_WC, different.T_WC) << "the seed does not change the choreography";
+  EXPECT_NE(frame.colour, Simulator("sideway", 21, 2.0).frame(80).colour);
+  EXPECT_THROW(Simulator("sideway", 21, -1.0), std::invalid_argument);
 }
 
 /// Lifts the pixels of frame a that show `body`, moves them with the true poses into frame b, and

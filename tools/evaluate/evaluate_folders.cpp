@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/covariance_table.hpp"
 #include "datasets/error.hpp"
 #include "datasets/ply.hpp"
 #include "datasets/trajectory.hpp"
@@ -104,6 +105,19 @@ void scoreTrajectories(const EvaluationRequest& request, const Inputs& inputs,
     report.object_prior =
         scoreObject(object_prior, inputs.object_truth, inputs.frames, prior_world);
   }
+}
+
+void scoreCovariances(const EvaluationRequest& request, const Inputs& inputs,
+                      EvaluationReport& report) {
+  const std::string path = in(request.result, "covariance.csv");
+  if (!fs::exists(path) || inputs.camera_truth.empty()) return;
+  const CovarianceFile file = readCovariances(path);
+  report.camera_consistency = scoreConsistency(errorSamples(
+      matchPoses(inputs.camera, inputs.camera_truth), file.camera, inputs.world, SE3()));
+  const auto offset = objectOffset(inputs.object, inputs.object_truth, inputs.world);
+  if (!offset) return;
+  report.object_consistency = scoreConsistency(errorSamples(
+      matchPoses(inputs.object, inputs.object_truth), file.object, inputs.world, *offset));
 }
 
 /// True speed of the object at a time; nothing where there is no truth within 20 ms.
@@ -227,6 +241,7 @@ EvaluationReport evaluateFolders(const EvaluationRequest& request) {
   EvaluationReport report;
   report.speed_threshold = request.speed_threshold;
   scoreTrajectories(request, inputs, report);
+  scoreCovariances(request, inputs, report);
   scoreMasks(request, inputs, report);
   scoreModels(request, inputs, report);
   if (request.each_frame) report.each_frame = scoreEachFrame(request, inputs);

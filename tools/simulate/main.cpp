@@ -44,6 +44,7 @@ struct Arguments {
   std::string object_drift = "0.015,0.1";
   int start = 0;
   int frames = 0;
+  double noise = 1;
   int threads = 1;
   bool overwrite = false;
   std::string output;
@@ -67,6 +68,9 @@ void declare(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--frames", a.frames, "Frames to write; 0: to the scene's end")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--noise", a.noise, "Factor on the noise of depth and picture")
+      ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--threads", a.threads, "Worker threads; the bytes written do not depend on it")
       ->check(CLI::Range(1, 256))
@@ -138,7 +142,7 @@ int simulate(const Arguments& a) {
   options.camera = parseDrift("--camera-drift", a.camera_drift);
   options.object = parseDrift("--object-drift", a.object_drift);
   options.drift_seed = a.drift_seed.value_or(a.seed);
-  const sim::Simulator simulator(a.scene, a.seed);
+  const sim::Simulator simulator(a.scene, a.seed, a.noise);
   const int end = lastFrame(a, simulator.frames());
   prepareFolder(a.output, a.overwrite);
   SequenceWriter writer(a.output, simulator.world(), options);

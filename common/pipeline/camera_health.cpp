@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/camera_health.hpp"
+
+#include <algorithm>
+
+#include "pipeline/pose_uncertainty.hpp"
+#include "pipeline/wide_search.hpp"
+
+namespace rf {
+namespace {
+
+// A picture of the place correlates with the map's, whatever the light (0.95 and more); one of
+// another place does not (below 0). Half of the range between.
+constexpr double kLeastLikeness = 0.5;
+
+// Surface is in view where the map has some, and it does not fit: the pose is wrong. It lies
+// outside the range that was searched, or it would have been found.
+bool contradicted(const CameraEvidence& e) { return e.track.pairs >= kSureFactor * e.min_inliers; }
+
+// The range in which the map was looked for, and in a second frame in vain the wider one.
+Mat6 searchedRange(const TrackingConfig& t, bool wide) {
+  const double shift = t.max_shift_m * (wide ? kWideShift : 1.0);
+  const double turn = t.max_turn_rad * (wide ? kWideTurn : 1.0);
+  Mat6 out = Mat6::Zero();
+  out.diagonal().head<3>().setConstant(shift * shift);
+  out.diagonal().tail<3>().setConstant(turn * turn);
+  return out;
+}
+
+// More than half of the map in view was taken away by the mask from one frame to the next: an
+// object appears, or mask and world were swapped. True until that has become usual, in a few
+// frames.
+bool supportLost(double pairs, FusionState& m) {
+  constexpr double kHalf = 0.5;
+  constexpr double kMemory = 0.2;  // about five frames
+  const bool lost = pairs < kHalf * m.usual_pairs;
+  m.usual_pairs = m.usual_pairs > 0 ? m.usual_pairs + kMemory * (pairs - m.usual_pairs) : pairs;
+  return lost;
+}
+
+void judgeAligned(const CameraEvidence& e, FusionState& m) {
+  m.camera_pose.covariance = e.track.covariance;
+  m.blind = e.track.blind;
+  const bool sudden = supportLost(e.track.pairs, m);
+  const bool weak = e.gap || m.blind || sudden || e.track.inliers < kSureFactor * e.min_inliers;
+  m.camera_pose.health = weak ? Health::kDegraded : Health::kTracked;
+}
+
+void judgeUnaligned(const CameraEvidence& e, FusionState& m) {
+  BodyPose& pose = m.camera_pose;
+  const Mat6 back = e.track.T_PC.inverse().adjoint();
+  pose.covariance = back * pose.covariance * back.transpose() + e.step_covariance;
+  if (contradicted(e) && ++m.contradicted_frames <= 2) {
+    pose.covariance += searchedRange(m.config.tracking, m.contradicted_frames == 2);
+  }
+  pose.health = worse(worse(e.segmentation.camera.health, Health::kDegraded),
+                      e.gap ? Health::kPriorOnly : Health::kDegraded);
+  if (e.leap) pose.health = Health::kLost;
+}
+
+}  // namespace
+
+bool believed(const TrackResult& r, double min_inliers, const FusionState& m) {
+  if (!r.accepted || r.likeness < kLeastLikeness) return false;
+  if (positionSigma(m.camera_pose.covariance) < kTrustedSigma) return true;
+  return r.inliers >= kSureFactor * min_inliers && r.inlier_share >= m.config.tracking.sure_share &&
+         !r.blind;
+}
+
+void judgeCamera(const CameraEvidence& e, FusionState& m) {
+  m.camera_pose.inliers = e.track.inliers;
+  m.camera_pose.rms_residual = e.track.rms_m;
+  m.camera_on_map = e.track.accepted;
+  m.blind = false;
+  m.rejected_frames = e.track.accepted ? 0 : m.rejected_frames + 1;
+  if (e.track.accepted) m.contradicted_frames = 0;
+  if (e.track.accepted) {
+    judgeAligned(e, m);
+  } else {
+    judgeUnaligned(e, m);
+  }
+}
+
+}  // namespace rf

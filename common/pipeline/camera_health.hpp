@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mapping/tracker.hpp"
+#include "pipeline/fusion_state.hpp"
+#include "values/segmentation_result.hpp"
+
+namespace rf {
+
+/// Of the least inliers: enough to trust a pose by itself.
+inline constexpr double kSureFactor = 5.0;
+
+/// Whether an aligned pose is believed: its picture must be like the map's, where both have
+/// contrast. A pose that is in doubt (contradicted by the map, or long without an image) may fit
+/// some other place as well: it needs more surface and a better fit, too.
+bool believed(const TrackResult& track, double min_inliers, const FusionState& state);
+
+/// How the camera came to this frame's pose.
+struct CameraEvidence {
+  const TrackResult& track;
+  const SegmentationResult& segmentation;
+  const Mat6& step_covariance;  ///< of the step from the last frame that is taken without the map
+  double min_inliers = 0;       ///< that alignment had to have
+  bool gap = false;             ///< frames are missing before this one
+  bool leap = false;            ///< the step was not believed: constant velocity instead
+};
+
+/// Sets inliers, covariance and health of the camera's pose, rejected_frames, contradicted_frames,
+/// camera_on_map and blind. The covariance of an aligned pose is given the map (the map's own is
+/// added later, see pose_uncertainty.hpp); one that is not aligned grows by the step's, and where
+/// the map contradicts it by the range in which it was looked for.
+void judgeCamera(const CameraEvidence& evidence, FusionState& state);
+
+}  // namespace rf

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mapping/object_life.hpp"
+#include "pipeline/fusion_input.hpp"
+#include "pipeline/fusion_state.hpp"
+#include "pipeline/map_update.hpp"
+#include "values/segmentation_result.hpp"
+
+namespace rf {
+
+/// A pose less certain than this is not called tracked, metres: half of the 10 cm by which a
+/// tracked pose must never be off, so that these are two standard deviations.
+inline constexpr double kTrustedSigma = 0.05;
+
+/// Standard deviation of a position in its most uncertain direction, metres.
+double positionSigma(const Mat6& covariance);
+
+/// Completes the covariances of this frame's poses by that of the maps that they were aligned to,
+/// lowers the health of poses that are too uncertain, and notes what the frame adds to the maps'
+/// uncertainty. Needs both predictions at this frame, before fusion. Poses in the world are
+/// uncertain since the start; the object's frame is defined by its pose in the camera at birth,
+/// which is exact therefore.
+void settleUncertainty(const FusionInput& frame, const SegmentationResult& segmentation,
+                       ObjectAction action, MayFuse may, FusionState& state);
+
+}  // namespace rf
