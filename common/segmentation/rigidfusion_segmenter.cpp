@@ -27,6 +27,7 @@ struct Past {
   std::vector<TermLevel> levels;  ///< [kMaskLevel..kCoarseLevel]; the mask level stays empty
   Image<float> mask_depth;        ///< at the mask level, only while the frame is the newest
   SE3 T_WC, T_CO;                 ///< own bookkeeping, refined by feedback
+  bool anchored = false;          ///< the models confirmed both
   Increment camera;               ///< accepted prior increment from the frame before
   Increment object;               ///< the same: T_Oa^-1 T_Ob, or T(xi_d) from kinematics
   Image<std::uint8_t> memory;     ///< last known scores, kept while the object rests
@@ -160,6 +161,7 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
   for (Past& p : past) {
     if (p.utime != feedback->utime) continue;
     const bool good = feedback->camera.health == Health::kTracked;
+    p.anchored = good && (!feedback->object_exists || feedback->object.health == Health::kTracked);
     if (good) {
       p.T_WC = feedback->camera.T_W;
       if (feedback->object_exists && object_prior_seen &&
@@ -206,6 +208,7 @@ void RigidFusionSegmenter::Impl::acceptPriors(const MotionPrior& prior, Past& no
 
 const Past* RigidFusionSegmenter::Impl::reference(const Past& now) const {
   const Past* best = nullptr;
+  const Past* anchored = nullptr;  // of poses that are off nothing good can be chained
   const SE3 T_WC = past.back().T_WC * now.camera.T;
   int back = 0;
   for (auto p = past.rbegin(); p != past.rend() && back < config.window_frames; ++p, ++back) {
@@ -215,8 +218,9 @@ const Past* RigidFusionSegmenter::Impl::reference(const Past& now) const {
     const bool overlaps = relative.log().tail<3>().norm() < config.window_rotation_rad;
     if (best != nullptr && (age > config.window_s || !overlaps)) break;
     best = &*p;
+    if (back > 0 && p->anchored) anchored = best;
   }
-  return best;
+  return anchored != nullptr ? anchored : best;
 }
 
 JointPrior RigidFusionSegmenter::Impl::makePrior(const SE3& T_s, const Mat6& cov_s, const Past& at,
@@ -262,7 +266,14 @@ JointPrior RigidFusionSegmenter::Impl::windowPrior(const Past& ref, const Past& 
 JointPrior RigidFusionSegmenter::Impl::stepPrior(const Past& ref, const Past& now) const {
   const Past& last = past.back();
   const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
-  JointPrior step = makePrior(chain_s * now.camera.T, now.camera.covariance, last, now.object);
+  Increment object = now.object;
+  Mat6 camera_covariance = now.camera.covariance;
+  if (!ref.anchored || !last.anchored) {
+    const Mat6 chain = covarianceOf({config.chain_spread_m, config.chain_spread_rad});
+    camera_covariance += chain;
+    object.covariance += chain;
+  }
+  JointPrior step = makePrior(chain_s * now.camera.T, camera_covariance, last, object);
   const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
   step.object_motion = step.object == JointPrior::Object::kAbsolute
                            ? chain_d * step.object_motion

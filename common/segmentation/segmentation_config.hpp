@@ -31,6 +31,8 @@ struct SegmentationConfig {
   double estimate_spread_rad = 0.002;
   double object_spread_m = 0.002;
   double object_spread_rad = 0.006;
+  double chain_spread_m = 0.005;
+  double chain_spread_rad = 0.010;
   double free_object_m = 0.05;
   double free_object_rad = 0.1;
   double lost_inlier_share = 0.01;
@@ -69,6 +71,9 @@ struct SegmentationConfig {
       "change of object velocity a frame, prior rejected");
     v("object_spread_rad", object_spread_rad, 1e-5, 1.0, "rad",
       "change of object turn rate a frame, prior rejected");
+    v("chain_spread_m", chain_spread_m, 0.0, 1.0, "m",
+      "error of chained estimates that the models have not confirmed");
+    v("chain_spread_rad", chain_spread_rad, 0.0, 1.0, "rad", "the same for turns");
     v("free_object_m", free_object_m, 1e-4, 1.0, "m",
       "object motion over the window without an object prior");
     v("free_object_rad", free_object_rad, 1e-4, 1.0, "rad",
