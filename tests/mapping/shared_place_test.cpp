@@ -21,11 +21,17 @@ Surfel surfelAt(const Vec3& point, const Vec3& normal, std::int32_t seen) {
   return s;
 }
 
+// Point i of a patch, row by row, in the object's frame.
+Vec3 patchPoint(int i, double z) {
+  const int row = i / kSide;
+  return {kPitch * (i % kSide), kPitch * row, z};
+}
+
 // A patch in the plane z = 0 of the object, facing -z.
 SurfelMap objectPatch() {
   SurfelMap map;
   for (int i = 0; i < kSide * kSide; ++i) {
-    map.append(surfelAt({kPitch * (i % kSide), kPitch * (i / kSide), 0}, -Vec3::UnitZ(), 1));
+    map.append(surfelAt(patchPoint(i, 0), -Vec3::UnitZ(), 1));
   }
   return map;
 }
@@ -39,7 +45,7 @@ struct Place {
 SurfelMap worldPatch(const Place& place, double off, const Vec3& normal_O, std::int32_t seen) {
   SurfelMap map;
   for (int i = 0; i < kSide * kSide; ++i) {
-    const Vec3 p_O(kPitch * (i % kSide) + 0.003, kPitch * (i / kSide), off);
+    const Vec3 p_O = patchPoint(i, off) + Vec3(0.003, 0, 0);
     map.append(surfelAt(place.T_FO * p_O, place.T_FO.R() * normal_O, seen));
   }
   return map;
