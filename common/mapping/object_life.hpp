@@ -31,9 +31,9 @@ struct ObjectLife {
 
 /// What a frame says of the object.
 struct ObjectSigns {
-  bool moving = false;     ///< segmentation's object_moving
-  bool unseen = false;     ///< segmentation's motion of it is the prior's alone
-  double share = 0;        ///< segmentation's dynamic_share
+  bool moving = false;  ///< segmentation's object_moving
+  bool unseen = false;  ///< segmentation has no pixels of it: its motion is the prior's or a guess
+  double share = 0;     ///< segmentation's dynamic_share
   double travelled_m = 0;  ///< how far it is from where it was born
   double rested_s = 0;     ///< how long it has been resting
 };

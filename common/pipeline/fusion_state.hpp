@@ -32,6 +32,7 @@ struct FusionState {
   SE3 T_WO, T_WO_birth;  ///< of the object now and where it was first seen to move
   ObjectLife life;
   bool object_found = false;      ///< its pose agreed with its model since it was last unseen
+  int misfit_frames = 0;          ///< in view and moving, but unlike its model, since it was unseen
   std::int64_t rest_utime = 0;    ///< when it came to rest
   std::vector<RestPlace> places;  ///< where the object stood, oldest first
 

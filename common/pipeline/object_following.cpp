@@ -14,6 +14,8 @@ constexpr double kGapInflation = 100.0;  // ten times the usual standard deviati
 constexpr std::size_t kMostPlaces = 32;  // of rest that are remembered
 constexpr double kLeaving = 0.1;         // metres: nearer, a wrong label still finds the old place
 constexpr double kTurned = 0.05;         // radians: 2 cm at the side of a body of 0.8 m
+constexpr double kSmallModel = 2.0;      // surfels by pixels that tracking needs
+constexpr int kMostMisfits = 30;         // frames
 constexpr double kFewPixels = 0.3;       // of those that tracking needs
 
 // The object's pose in the world from T_FC; its covariance follows in pose_uncertainty.
@@ -92,6 +94,21 @@ void setObject(const TrackResult& r, const Mat6& step_cov, FusionState& m) {
   placeObject(m);
 }
 
+// Takes the object's pose as good although its model does not say so: where the model is too small
+// to say anything, and where it is in view and has not fitted for a second - then it is wrong, and
+// starts anew.
+void trustUntracked(bool enough, FusionState& m) {
+  const bool small = static_cast<double>(m.object.map.size()) < kSmallModel * m.minObjectPixels();
+  m.misfit_frames = enough ? m.misfit_frames + 1 : m.misfit_frames;
+  if (!small && m.misfit_frames < kMostMisfits) return;
+  if (!small) {
+    const SE3 T_FC = m.object.T_FC;
+    m.object = BodyModel(m.config, m.camera);
+    m.object.T_FC = T_FC;
+  }
+  m.object_found = true;
+}
+
 // Refines the moving object's pose; whether the frame may be fused into its model.
 bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
   const bool gap = m.bridged(s);
@@ -113,6 +130,8 @@ bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState&
   }
   setObject(r, gap ? search.start_cov : stepCovariance(s.object.covariance, m.config.tracking), m);
   m.object_found = m.object_found || r.accepted;
+  if (m.object_found) m.misfit_frames = 0;
+  if (!m.object_found) trustUntracked(enough, m);
   const bool sure = r.accepted && !gap && !m.blind;
   // A pose in the world is worth no more than the camera's.
   m.object_pose.health = worse(m.camera_pose.health,
@@ -148,8 +167,8 @@ void coast(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
   }
   setObject(r, stepCovariance(s.object.covariance, m.config.tracking), m);
   m.object_found = r.accepted;
-  m.object_pose.health =
-      r.accepted ? worse(Health::kTracked, m.camera_pose.health) : Health::kPriorOnly;
+  m.object_pose.health = r.accepted ? worse(Health::kTracked, m.camera_pose.health)
+                                    : worse(s.object.health, Health::kPriorOnly);
 }
 
 // Makes the object's stable surfels part of the static map.
@@ -176,7 +195,8 @@ void joinWorld(FusionState& m) {
 ObjectSigns signsOf(const SegmentationResult& s, const FusionState& m) {
   ObjectSigns signs;
   signs.moving = s.object_moving;
-  signs.unseen = s.object.health == Health::kPriorOnly;
+  signs.unseen = s.object.health == Health::kPriorOnly ||
+                 (s.object_moving && s.object.health == Health::kLost);
   signs.share = s.dynamic_share;
   signs.travelled_m = (m.T_WO.t - m.T_WO_birth.t).norm();
   signs.rested_s = static_cast<double>(s.utime - m.rest_utime) * 1e-6;

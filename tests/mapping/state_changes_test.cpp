@@ -33,6 +33,8 @@ struct Script {
   int unseen_from = 1 << 20;   // frames in which segmentation sees no box and has a prior alone
   int unseen_until = 1 << 20;  // (one past)
   SE3 drift;                   // of that prior, per frame
+  bool born_small = false;     // the first mask holds the box's left end alone
+  bool prior = true;           // else its motion is taken for the world's
 };
 
 SE3 boxAt(const Script& script, int k) {
@@ -45,6 +47,13 @@ struct Outcome {
   std::vector<ModelState> states;
   std::vector<SurfelPoint> world, object;
 };
+
+// Keeps the mask in the left fifth of the image.
+void keepLeft(SegmentationResult& s) {
+  for (int v = 0; v < s.score.height(); ++v) {
+    for (int u = s.score.width() / 5; u < s.score.width(); ++u) s.score(u, v) = 255;
+  }
+}
 
 Outcome run(const Script& script, int frames, const FusionConfig& config = {}) {
   const Camera camera = test::testCamera(320, 240);
@@ -64,9 +73,11 @@ Outcome run(const Script& script, int frames, const FusionConfig& config = {}) {
     SegmentationResult s =
         test::truth(shot, previous ? &*previous : nullptr, camera_step,
                     unseen ? box_step * script.drift : box_step, moves && !unseen);
+    if (script.born_small && k == script.begin) keepLeft(s);
     if (unseen) {
-      s.object.T_AB = box_step * script.drift;
-      s.object.health = Health::kPriorOnly;
+      s.object.T_AB = script.prior ? box_step * script.drift : camera_step;
+      s.object.health = script.prior ? Health::kPriorOnly : Health::kLost;
+      s.object_moving = !script.prior;
     }
     out.states.push_back(stage.process(shot.frame, s));
     previous = shot;
@@ -131,6 +142,32 @@ TEST(StateChanges, ABodyAtRestIsKeptInPlaceWhenItsPriorSlips) {
   EXPECT_LT(positionError(r, script, 23), 0.02);
   EXPECT_TRUE(r.states.back().object_resting);
   EXPECT_LT(onBox(r.world, script, 27), 40);
+}
+
+TEST(StateChanges, WithoutAPriorAnUnseenBodyKeepsItsModelAndIsFoundWhereItIs) {
+  Script script;
+  script.prior = false;
+  script.unseen_from = 9;
+  script.unseen_until = 12;
+  const Outcome r = run(script, 16);
+  const std::int64_t before = r.states[8].object_surfels;
+  EXPECT_GT(before, 1000);
+  for (int k = script.unseen_from; k < script.unseen_until; ++k) {
+    const ModelState& s = r.states[static_cast<std::size_t>(k)];
+    EXPECT_EQ(s.object_surfels, before) << k << ": neither grown nor carved";
+    EXPECT_EQ(s.object.health, Health::kTracked) << k;
+    EXPECT_LT(positionError(r, script, k), 0.02) << k;
+  }
+}
+
+TEST(StateChanges, AModelThatWasBornTooSmallGrowsOn) {
+  Script script;
+  script.unseen_from = 5;  // right after a birth from a few pixels
+  script.unseen_until = 6;
+  script.born_small = true;
+  const Outcome r = run(script, 16);
+  EXPECT_LT(r.states[4].object_surfels, 500) << "too few to be tracked";
+  EXPECT_GT(r.states[14].object_surfels, 1000);
 }
 
 TEST(StateChanges, AfterItsTimeABodyAtRestJoinsTheMap) {
