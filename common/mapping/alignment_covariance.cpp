@@ -44,8 +44,8 @@ double meanOf(const std::vector<float>& values) {
 }
 
 // What a block may be displaced by without a residual, as the pose that displaces it so.
-Mat6 ownDisplacement(double depth, double focal_px, double sigma) {
-  const double across = CommonError::kPhase * depth / focal_px;
+Mat6 ownDisplacement(double depth, const AlignmentNoise& noise, double sigma) {
+  const double across = noise.factor * CommonError::kPhase * depth / noise.focal_px;
   const double along = CommonError::kDepthShare * sigma;
   Mat6 C = Mat6::Zero();
   C.diagonal().head<3>() << across * across, across * across, along * along;
@@ -97,7 +97,7 @@ Mat6 alignmentCovariance(const std::vector<AlignmentBlock>& blocks, const Alignm
         noise.factor * static_cast<double>(noise.sensor.sigma(static_cast<float>(b.depth)));
     information += H;
     left += gradient * gradient.transpose();
-    hidden += H * ownDisplacement(b.depth, noise.focal_px, sigma) * H;
+    hidden += H * ownDisplacement(b.depth, noise, sigma) * H;
     nearer += CommonError::kNearerShare * sigma * H.col(2);
   }
   const Mat6 white = noise.factor * noise.factor * information + noise.prior;

@@ -30,7 +30,7 @@ struct AlignmentNoise {
   double correlation = 1;     ///< pixels for one independent measurement
   double focal_px = 1;
   SensorModel sensor;
-  double factor = 1;  ///< of the sensor's sigma that the residuals show, >= 1
+  double factor = 1;  ///< whitened rms of the residuals: what is measured of what is assumed
 };
 
 /// Covariance (right perturbation) of the pose that minimises sum w r^2 / correlation plus the
@@ -43,7 +43,8 @@ struct AlignmentNoise {
 ///   residual, see CommonError.
 Mat6 alignmentCovariance(const std::vector<AlignmentBlock>& blocks, const AlignmentNoise& noise);
 
-/// What pixels have in common.
+/// What pixels have in common, at residuals as large as the sensor's model says (times
+/// AlignmentNoise::factor).
 struct CommonError {
   /// Of a block, across, pixels: surfels and image sample the surface in steps of a pixel; a place
   /// within a step is uniform, 1/sqrt(12).

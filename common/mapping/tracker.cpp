@@ -27,6 +27,7 @@ KernelSums sumRows(const ReferencePoints& points, const KernelInput& input) {
   });
 }
 
+constexpr double kLeastResidual = 0.5;    // of sigma: no sensor is more than twice as good
 constexpr double kEnoughWeight = 50.0;    // pixels, to compare brightness
 constexpr double kEnoughVariance = 1e-3;  // of the model's intensity: 0.03 standard deviation
 constexpr double kBlankVariance = 1e-4;   // of an image: three grey levels, little more than noise
@@ -322,9 +323,10 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
   } else if (e.iterations > 0) {
     setPose(e.T_PC, e.input);
     const TrackReference& last = reference[e.level];
-    r.covariance = alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input),
-                                       {prior, c.correlation, last.camera.fx,
-                                        SensorModel(config.sensor), std::max(1.0, r.rms_sigma)});
+    r.covariance =
+        alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input),
+                            {prior, c.correlation, last.camera.fx, SensorModel(config.sensor),
+                             std::max(kLeastResidual, r.rms_sigma)});
   }
   return r;
 }
