@@ -12,6 +12,7 @@ struct Candidate {
   std::string name;
   JointFit fit;
   bool continued = false;
+  double charge = 0;  ///< beside what every reading pays
 };
 
 /// Builds and solves the readings of one frame; each method is one of them.
@@ -48,18 +49,23 @@ class Readings {
                       decision_.dominant_iterations);
   }
 
-  /// The dominant motion is the body's, nothing is known of the body: the world is what that motion
-  /// does not explain, and moves as the camera prior says.
-  Candidate bodyDominant(const JointFit& dominant) const {
+  /// Nothing is known of the body: what the dominant motion does not explain moves otherwise.
+  /// Either the dominant motion is the world's, or it is the body's and the world moves as the
+  /// camera prior says.
+  Candidate splitByDominant(const JointFit& dominant, bool body_dominant) const {
     const ClusterEnergies e = clusterEnergies(in_.level, dominant, dominant.state.c);
     const double limit = medianEnergy(e) + params_.outlier_margin;
     JointState start;
-    start.T_s = in_.window_prior.T_s;
+    start.T_s = body_dominant ? in_.window_prior.T_s : dominant.state.T_s;
     start.T_d = dominant.state.T_s;
-    for (const double energy : e.static_energy) start.gamma.push_back(energy > limit ? 1.0F : 0.0F);
+    for (const double energy : e.static_energy) {
+      start.gamma.push_back((energy > limit) == body_dominant ? 1.0F : 0.0F);
+    }
     const JointFit split = solveJoint(in_.level, start, in_.window_prior, weak_, *in_.adjacency,
                                       params_, terms_, decision_.iterations, true);
-    return {"object-dominant", solve(split.state, in_.window_prior, weak_), false};
+    return {body_dominant ? "object-dominant" : "camera-dominant",
+            solve(split.state, in_.window_prior, weak_), false,
+            body_dominant ? decision_.body_dominant_charge : 0.0};
   }
 
   Candidate fromMotions(const std::string& name, const SE3& T_s, const SE3& T_d) const {
@@ -144,7 +150,10 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   const SE3& L = dominant.state.T_s;
   if (input.window_prior.outlier_class) {
     candidates.push_back(readings.fromMotions("outliers", L, L));
-    if (input.camera_measured) candidates.push_back(readings.bodyDominant(dominant));
+    if (input.camera_measured) {
+      candidates.push_back(readings.splitByDominant(dominant, false));
+      candidates.push_back(readings.splitByDominant(dominant, true));
+    }
   } else {
     candidates.push_back(
         readings.fromMotions("camera-dominant", L, input.window_prior.expectedObject(L)));
@@ -165,7 +174,7 @@ Decision decide(const DecisionInput& input, const JointParams& params,
     const JointState& state = candidate.fit.state;
     const double image =
         scale * imageEnergy(input.level, candidate.fit, input.window_prior, params, c);
-    double energy = image + input.window_prior.cost(state.T_s, state.T_d);
+    double energy = image + input.window_prior.cost(state.T_s, state.T_d) + candidate.charge;
     if (input.map != nullptr && map.decision_weight > 0) {
       const MapReading reading{input.T_MA_static * state.T_s, input.T_MA_object * state.T_d,
                                &state.gamma};

@@ -18,8 +18,10 @@ struct DecisionParams {
   double one_body_bonus = 12;   ///< two bodies must explain this much more than one
   double no_static_charge = 8;  ///< paid by a state that leaves (almost) no static pixels
   double no_static_share = 0.03;
-  double weak_pull = 0.3;          ///< unary weight to 0.5 where labels are unknown
-  double reference_pixels = 4800;  ///< the charges were found at 80x60
+  double body_dominant_charge = 6;  ///< without an object prior: the camera prior must be this sure
+                                    ///< that the dominant motion is not the world's (odds of 400)
+  double weak_pull = 0.3;           ///< unary weight to 0.5 where labels are unknown
+  double reference_pixels = 4800;   ///< the charges were found at 80x60
 
   template <class V>
   void visit(V& v) {
@@ -36,6 +38,8 @@ struct DecisionParams {
       "paid by a state without static pixels");
     v("no_static_share", no_static_share, 0.0, 0.5, "-",
       "static share below which that charge falls due");
+    v("body_dominant_charge", body_dominant_charge, 0.0, 1000.0, "nll",
+      "without an object prior: paid for reading the dominant motion as the body's");
     v("weak_pull", weak_pull, 0.0, 10.0, "-", "pull of scores whose labels are unknown");
     v("reference_pixels", reference_pixels, 1.0, 1e7, "px",
       "pixels that the image energy counts for");

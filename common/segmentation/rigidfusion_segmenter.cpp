@@ -318,7 +318,8 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
       last.memory, mask_camera, now.levels[kCoarseLevel], clusters.label[kCoarseLevel], count,
       chain_s.inverse() * input.continued.T_s, chain_d.inverse() * input.continued.T_d);
   input.continued.gamma = input.warped.target;
-  if (map) {
+  // Where priors can decide, a young map would only confirm a wrong start.
+  if (map && !object_prior_seen && !now.camera.measured) {
     input.map = &*map;
     input.T_MA_static = T_WM.inverse() * ref.T_WC;
     input.T_MA_object = T_MO * ref.T_CO.inverse();

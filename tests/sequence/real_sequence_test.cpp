@@ -29,16 +29,26 @@ SequenceRun run(const std::string& folder, const Trajectory& camera_prior) {
   return out;
 }
 
-TEST(RealSequence, RotatingCameraBeatsItsDriftingPrior) {
+// In 1.5 s a drifting prior may by chance be as good as the truth: the mean over some drifts
+// counts.
+TEST(RealSequence, RotatingCameraBeatsItsDriftingPriors) {
   const std::string folder = std::string(RF_TEST_DATA) + "/tum_fr1_rpy";
   const Trajectory truth = readTrajectory(folder + "/groundtruth.txt");
-  const Trajectory prior = withDrift(truth, {0.06, 0.4, 1, DriftStream::kCamera});
-  const SequenceRun out = run(folder, prior);
-  const TrajectoryScore camera = scoreCamera(out.camera, truth, out.frames);
-  const TrajectoryScore drift = scoreCamera(prior, truth, out.frames);
-  EXPECT_LT(camera.ate_aligned.rmse, 0.04);
-  EXPECT_LT(camera.ate_aligned.rmse, drift.ate_aligned.rmse);
-  EXPECT_EQ(camera.coverage, 1.0);
+  double camera_aligned = 0, prior_aligned = 0, camera_first = 0, prior_first = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Trajectory prior = withDrift(truth, {0.06, 0.4, seed, DriftStream::kCamera});
+    const SequenceRun out = run(folder, prior);
+    const TrajectoryScore camera = scoreCamera(out.camera, truth, out.frames);
+    const TrajectoryScore drift = scoreCamera(prior, truth, out.frames);
+    EXPECT_LT(camera.ate_aligned.rmse, 0.04) << "drift seed " << seed;
+    EXPECT_EQ(camera.coverage, 1.0) << "drift seed " << seed;
+    camera_aligned += camera.ate_aligned.rmse;
+    prior_aligned += drift.ate_aligned.rmse;
+    camera_first += camera.ate_first.rmse;
+    prior_first += drift.ate_first.rmse;
+  }
+  EXPECT_LT(camera_aligned, prior_aligned);
+  EXPECT_LT(camera_first, prior_first);
 }
 
 TEST(RealSequence, PeopleAreFoundWithoutAnyPrior) {
