@@ -57,7 +57,7 @@ double gateAt(double z, const ImageTermParams& terms, const MapEvidenceParams& p
   return params.gate_m + params.gate_sigma * sigma;
 }
 
-/// How far the static model is heard where motion has been seen.
+/// How far one model is heard where the images side with the other body.
 double doubt(double advantage, const MapEvidenceParams& params) {
   return std::clamp(1.0 - advantage / params.sure_advantage, 0.0, 1.0);
 }
@@ -144,7 +144,8 @@ void addMapEvidence(const Image<MapWitness>& witnesses, const Image<std::uint8_t
   for (std::size_t k = 0; k < count; ++k) {
     if (pixels[k] == 0) continue;
     const double still = doubt(advantage[k], params) * world[k];
-    const double seen = still + object[k] + params.intruder_share * intruder[k];
+    const double moved = doubt(-advantage[k], params) * object[k];
+    const double seen = still + moved + params.intruder_share * intruder[k];
     if (!(seen > 0)) continue;
     const double weight = params.weight * seen / pixels[k];
     const double before = static_cast<double>(scores.weight[k]);
@@ -167,8 +168,10 @@ Image<std::uint8_t> refineScores(const Image<MapWitness>& witnesses, const Image
   }
   const auto weight = static_cast<float>(params.pixel_weight);
   std::vector<float> map_weight(count);
+  std::vector<float> body_weight(count);
   for (std::size_t k = 0; k < count; ++k) {
     map_weight[k] = weight * static_cast<float>(doubt(advantage[k], params));
+    body_weight[k] = weight * static_cast<float>(doubt(-advantage[k], params));
   }
   const auto intruder = static_cast<float>(params.intruder_share);
   // The pixel's own say: its cluster's score and its witness.
@@ -178,7 +181,7 @@ Image<std::uint8_t> refineScores(const Image<MapWitness>& witnesses, const Image
     if (k >= count) continue;
     own[i] = std::clamp(gamma[k], 0.0F, 1.0F);
     if (witnesses[i] == MapWitness::kStatic) own[i] += map_weight[k];
-    if (witnesses[i] == MapWitness::kObject) own[i] -= weight;
+    if (witnesses[i] == MapWitness::kObject) own[i] -= body_weight[k];
     if (witnesses[i] == MapWitness::kIntruder && beside[k]) own[i] -= intruder;
   }
   Image<std::uint8_t> out(label.width(), label.height(), 255);

@@ -92,6 +92,17 @@ TEST(MapEvidence, IsSilentAboutTheStaticModelWhereMotionWasSeen) {
   EXPECT_FLOAT_EQ(scores.target[0], 0.0F);
 }
 
+TEST(MapEvidence, IsSilentAboutTheBodyWhereRestWasSeen) {
+  // A wall that slid in its own plane through the body's model keeps fitting that model's depth.
+  ScorePrior scores{{1.0F}, {1.0F}};
+  addMapEvidence(all(MapWitness::kObject), oneCluster(), {-5.0}, {}, scores);
+  EXPECT_FLOAT_EQ(scores.weight[0], 1.0F);
+  EXPECT_FLOAT_EQ(scores.target[0], 1.0F);
+  const auto score = refineScores(all(MapWitness::kObject), plane(2.0F), oneCluster(), {1.0F},
+                                  {-5.0}, Adjacency(1), {});
+  EXPECT_EQ(score(40, 30), 255);
+}
+
 TEST(MapEvidence, LeavesClustersAloneThatNoModelKnows) {
   ScorePrior scores{{0.3F}, {1.0F}};
   addMapEvidence(all(MapWitness::kNone), oneCluster(), {0.0}, {}, scores);
