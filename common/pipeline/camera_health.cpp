@@ -13,6 +13,10 @@ namespace {
 // another place does not (below 0). Half of the range between.
 constexpr double kLeastLikeness = 0.5;
 
+// A place that the map contradicted before is found again when this much of the support that was
+// usual fits: a patch of some other wall also fits, with a seventh (a teleport in the tests).
+constexpr double kLeastSupport = 0.25;
+
 // Surface is in view where the map has some, and it does not fit: the pose is wrong. It lies
 // outside the range that was searched, or it would have been found.
 bool contradicted(const CameraEvidence& e) { return e.track.pairs >= kSureFactor * e.min_inliers; }
@@ -63,8 +67,8 @@ void judgeUnaligned(const CameraEvidence& e, FusionState& m) {
 bool believed(const TrackResult& r, double min_inliers, const FusionState& m) {
   if (!r.accepted || r.likeness < kLeastLikeness) return false;
   if (positionSigma(m.camera_pose.covariance) < kTrustedSigma) return true;
-  return r.inliers >= kSureFactor * min_inliers && r.inlier_share >= m.config.tracking.sure_share &&
-         !r.blind;
+  const double least = std::max(kSureFactor * min_inliers, kLeastSupport * m.usual_pairs);
+  return r.inliers >= least && r.inlier_share >= m.config.tracking.sure_share && !r.blind;
 }
 
 void judgeCamera(const CameraEvidence& e, FusionState& m) {
