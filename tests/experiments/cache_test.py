@@ -154,7 +154,7 @@ class Workshop(unittest.TestCase):
             tool.send_signal(sent)
             self.assertEqual(tool.wait(30), 130)
             self.assertFalse(pathlib.Path("/proc", pid.read_text().strip()).exists())
-            self.assertEqual(list((self.folder / "out/work/cache").iterdir()), [])
+            self.assertEqual(list((self.folder / "out" / "work" / "cache").iterdir()), [])
             pid.unlink()
 
     def test_what_killed_calls_left_is_removed(self):
