@@ -149,8 +149,19 @@ struct RigidFusionSegmenter::Impl {
   JointPrior stepPrior(const Past& reference, const Past& now) const;
   JointPrior makePrior(const SE3& T_s, const Mat6& cov_s, const Past& at,
                        const Increment& object) const;
+  static JointLevel levelOf(const Past& reference, const Past& now, const Clusters& clusters,
+                            std::size_t level);
+  DecisionInput decisionInput(const Past& reference, const Past& now,
+                              const Clusters& clusters) const;
+  JointFit refine(const Past& reference, const Past& now, const Clusters& clusters,
+                  const DecisionInput& input, const Decision& decision) const;
+  void takeMotions(const JointFit& fit, const Past& reference, Past& now,
+                   SegmentationResult& out) const;
+  void takeMask(const JointFit& fit, const Past& reference, const Clusters& clusters,
+                const JointPrior& prior, Past& now, SegmentationResult& out) const;
   void estimate(const Past& reference, const Clusters& clusters, Past& now, SegmentationResult& out,
                 Clock& clock);
+  Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
   void coast(Past& now, SegmentationResult& out) const;
   void finish(Past& now, SegmentationResult& out);
 };
@@ -294,13 +305,16 @@ void RigidFusionSegmenter::Impl::coast(Past& now, SegmentationResult& out) const
   now.memory = last.memory;
 }
 
-void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clusters, Past& now,
-                                          SegmentationResult& out, Clock& clock) {
+JointLevel RigidFusionSegmenter::Impl::levelOf(const Past& ref, const Past& now,
+                                               const Clusters& clusters, std::size_t level) {
+  return {&ref.levels[level], &now.levels[level], &clusters.label[level]};
+}
+
+DecisionInput RigidFusionSegmenter::Impl::decisionInput(const Past& ref, const Past& now,
+                                                        const Clusters& clusters) const {
   const Past& last = past.back();
-  const std::size_t count = clusters.centres.size();
   DecisionInput input;
-  input.level = {&ref.levels[kCoarseLevel], &now.levels[kCoarseLevel],
-                 &clusters.label[kCoarseLevel]};
+  input.level = levelOf(ref, now, clusters, kCoarseLevel);
   input.window_prior = windowPrior(ref, now);
   input.step_prior = stepPrior(ref, now);
   input.adjacency = &clusters.adjacency;
@@ -313,10 +327,10 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
     input.continued.T_d = chain_d * last.T_CO * last_object_step->inverse() * last.T_CO.inverse() *
                           chain_s.inverse() * input.continued.T_s;
   }
-  const Camera mask_camera = camera.undistorted().reduced(config.reduction);
-  input.warped = warpScores(
-      last.memory, mask_camera, now.levels[kCoarseLevel], clusters.label[kCoarseLevel], count,
-      chain_s.inverse() * input.continued.T_s, chain_d.inverse() * input.continued.T_d);
+  input.warped =
+      warpScores(last.memory, maskCamera(), now.levels[kCoarseLevel], clusters.label[kCoarseLevel],
+                 clusters.centres.size(), chain_s.inverse() * input.continued.T_s,
+                 chain_d.inverse() * input.continued.T_d);
   input.continued.gamma = input.warped.target;
   // Where priors can decide, a young map would only confirm a wrong start.
   if (map && !object_prior_seen && !now.camera.measured) {
@@ -324,33 +338,34 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
     input.T_MA_static = T_WM.inverse() * ref.T_WC;
     input.T_MA_object = T_MO * ref.T_CO.inverse();
   }
-  const Decision decision = decide(input, config.joint, config.decision, config.terms, config.map);
-  clock.lap("decide", out.stage_ms);
+  return input;
+}
 
-  const JointLevel fine{&ref.levels[kFineLevel], &now.levels[kFineLevel],
-                        &clusters.label[kFineLevel]};
+JointFit RigidFusionSegmenter::Impl::refine(const Past& ref, const Past& now,
+                                            const Clusters& clusters, const DecisionInput& input,
+                                            const Decision& decision) const {
+  const JointLevel fine = levelOf(ref, now, clusters, kFineLevel);
   const JointPrior& prior = decision.continued ? input.step_prior : input.window_prior;
+  const JointState& found = decision.fit.state;
   ScorePrior scores = input.warped;
-  if (!decision.continued) scores.target = decision.fit.state.gamma;
-  if (map && !decision.fit.state.one_body) {
-    const JointState& found = decision.fit.state;
+  if (!decision.continued) scores.target = found.gamma;
+  if (map && !found.one_body) {
     const Image<MapWitness> witnesses =
-        mapWitnesses(*map, now.levels[kFineLevel].camera, now.levels[kFineLevel].depth,
-                     T_WM.inverse() * ref.T_WC * found.T_s, T_MO * ref.T_CO.inverse() * found.T_d,
-                     config.terms, config.map);
+        mapWitnesses(*map, fine.b->camera, fine.b->depth, T_WM.inverse() * ref.T_WC * found.T_s,
+                     T_MO * ref.T_CO.inverse() * found.T_d, config.terms, config.map);
     addMapEvidence(witnesses, *fine.label,
                    bodyAdvantages(input.level, decision.fit, prior, config.joint), config.map,
                    scores);
   }
-  const JointFit fit = solveJoint(fine, decision.fit.state, prior, scores, clusters.adjacency,
-                                  config.joint, config.terms, config.fine_iterations);
-  clock.lap("refine", out.stage_ms);
+  return solveJoint(fine, found, prior, scores, clusters.adjacency, config.joint, config.terms,
+                    config.fine_iterations);
+}
 
+void RigidFusionSegmenter::Impl::takeMotions(const JointFit& fit, const Past& ref, Past& now,
+                                             SegmentationResult& out) const {
+  const Past& last = past.back();
   const JointState& state = fit.state;
   now.T_WC = ref.T_WC * state.T_s;
-  out.gamma = state.gamma;
-  out.hypothesis = decision.name;
-  out.object_moving = !state.one_body;
   const Mat12 covariance = fit.information.ldlt().solve(Mat12::Identity());
   out.camera.covariance = covariance.topLeftCorner<6, 6>();
   out.camera.inliers = fit.inliers_s;
@@ -364,18 +379,7 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
     out.object.inliers = fit.inliers_d;
     out.object.rms_residual = fit.rms_d;
   }
-  out.label = clusters.label[kMaskLevel];
-  out.score = scoreImage(out.label, out.gamma);
-  if (map && !state.one_body && config.map.pixel_weight > 0) {
-    const Image<MapWitness> witnesses =
-        mapWitnesses(*map, mask_camera, now.mask_depth, T_WM.inverse() * now.T_WC,
-                     T_MO * now.T_CO.inverse(), config.terms, config.map);
-    out.score = refineScores(witnesses, now.mask_depth, out.label, out.gamma,
-                             bodyAdvantages(fine, fit, prior, config.joint), clusters.adjacency,
-                             config.map);
-  }
-  out.dynamic_share = share(out.label, out.gamma);
-  const double pixels = static_cast<double>(fine.label->size());
+  const double pixels = static_cast<double>(now.levels[kFineLevel].depth.size());
   const auto judge = [&](BodyMotion& body, bool prior_used) {
     if (body.inliers < config.lost_inlier_share * pixels) {
       body.health = prior_used ? Health::kPriorOnly : Health::kLost;
@@ -386,16 +390,48 @@ void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clust
   };
   judge(out.camera, now.camera.measured);
   judge(out.object, object_prior_seen && now.object.measured);
-  // What is known of the mask while everything rests: the last two-body scores, moved with the
-  // world.
-  if (!state.one_body) {
-    now.memory = out.score;
-  } else {
+}
+
+void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const Past& ref,
+                                          const Clusters& clusters, const JointPrior& prior,
+                                          Past& now, SegmentationResult& out) const {
+  const Past& last = past.back();
+  out.gamma = fit.state.gamma;
+  out.label = clusters.label[kMaskLevel];
+  out.score = scoreImage(out.label, out.gamma);
+  out.dynamic_share = share(out.label, out.gamma);
+  if (fit.state.one_body) {
+    // What is known while everything rests: the last two-body scores, moved with the world.
     const SE3 step = last.T_WC.inverse() * now.T_WC;
-    const ScorePrior kept = warpScores(last.memory, mask_camera, now.levels[kCoarseLevel],
-                                       clusters.label[kCoarseLevel], count, step, step);
+    const ScorePrior kept =
+        warpScores(last.memory, maskCamera(), now.levels[kCoarseLevel],
+                   clusters.label[kCoarseLevel], clusters.centres.size(), step, step);
     now.memory = scoreImage(out.label, kept.target);
+    return;
   }
+  if (map && config.map.pixel_weight > 0) {
+    const Image<MapWitness> witnesses =
+        mapWitnesses(*map, maskCamera(), now.mask_depth, T_WM.inverse() * now.T_WC,
+                     T_MO * now.T_CO.inverse(), config.terms, config.map);
+    const std::vector<double> advantage =
+        bodyAdvantages(levelOf(ref, now, clusters, kFineLevel), fit, prior, config.joint);
+    out.score = refineScores(witnesses, now.mask_depth, out.label, out.gamma, advantage,
+                             clusters.adjacency, config.map);
+  }
+  now.memory = out.score;
+}
+
+void RigidFusionSegmenter::Impl::estimate(const Past& ref, const Clusters& clusters, Past& now,
+                                          SegmentationResult& out, Clock& clock) {
+  const DecisionInput input = decisionInput(ref, now, clusters);
+  const Decision decision = decide(input, config.joint, config.decision, config.terms, config.map);
+  clock.lap("decide", out.stage_ms);
+  const JointFit fit = refine(ref, now, clusters, input, decision);
+  clock.lap("refine", out.stage_ms);
+  out.hypothesis = decision.name;
+  out.object_moving = !fit.state.one_body;
+  takeMotions(fit, ref, now, out);
+  takeMask(fit, ref, clusters, input.window_prior, now, out);
   clock.lap("mask", out.stage_ms);
 }
 

@@ -5,12 +5,10 @@
 
 #include <functional>
 
-#include "datasets/image_files.hpp"
 #include "evaluation/consistency.hpp"
 #include "geometry/parallel.hpp"
 #include "pipeline/offline.hpp"
-#include "priors/simulated_drift.hpp"
-#include "simulation/depth_sensor.hpp"
+#include "simulated_cut.hpp"
 #include "simulation/simulator.hpp"
 
 namespace rf {
@@ -24,48 +22,19 @@ constexpr int kReturn = 10;     // frames at the end that must be tracked again
 constexpr int kTeleport = 170;  // frames of the choreography in which the camera moves by 1 m
 constexpr std::uint64_t kSeed = 43;
 
-struct Cut {
-  std::vector<RgbdFrame> frames;
-  Trajectory camera, object, camera_prior, object_prior;
-};
-
 const sim::Simulator& simulator() {
   static const sim::Simulator instance("overtake", kSeed);
   return instance;
 }
 
-RgbdFrame shown(const sim::SimulatedFrame& f) {
-  RgbdFrame frame;
-  frame.colour = f.colour;
-  frame.depth_mm = depthToMillimetres(f.depth, sim::kDepthFactor);
-  return frame;
-}
-
-Cut render() {
-  Cut cut;
-  setThreads(2);
-  for (int k = 0; k < kFrames; ++k) {
-    const sim::SimulatedFrame f = simulator().frame(kFirst + k);
-    cut.frames.push_back(shown(f));
-    cut.frames.back().utime = cut.frames.back().colour_utime = f.utime;
-    cut.frames.back().seq = k;
-    cut.camera.push_back({f.utime, f.T_WC});
-    cut.object.push_back({f.utime, f.T_WB[1]});
-  }
-  setThreads(1);
-  cut.camera_prior = withDrift(cut.camera, {0.06, 0.4, kSeed, DriftStream::kCamera});
-  cut.object_prior = withDrift(cut.object, {0.015, 0.1, kSeed, DriftStream::kObject});
-  return cut;
-}
-
-const Cut& undisturbed() {
-  static const Cut instance = render();
+const SimulatedCut& undisturbed() {
+  static const SimulatedCut instance = renderCut(simulator(), kFirst, kFrames, kSeed);
   return instance;
 }
 
 /// The cut with frames [kEvent, kEvent + count) changed.
-Cut disturbed(int count, const std::function<void(RgbdFrame&)>& change) {
-  Cut cut = undisturbed();
+SimulatedCut disturbed(int count, const std::function<void(RgbdFrame&)>& change) {
+  SimulatedCut cut = undisturbed();
   for (int k = kEvent; k < kEvent + count; ++k) change(cut.frames[static_cast<std::size_t>(k)]);
   return cut;
 }
@@ -98,7 +67,7 @@ struct Watched {
   }
 };
 
-Watched watch(const Cut& cut, bool with_prior = true) {
+Watched watch(const SimulatedCut& cut, bool with_prior = true) {
   setThreads(2);
   PipelineConfig config;
   PriorStage prior(config.prior);
@@ -181,7 +150,7 @@ TEST(HealthEvents, WithoutDepthThePriorIsAlone) {
 }
 
 TEST(HealthEvents, ATeleportThatThePriorDoesNotKnowIsNeverCalledTracked) {
-  Cut cut = undisturbed();
+  SimulatedCut cut = undisturbed();
   for (int k = kEvent; k < kFrames; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const sim::SimulatedFrame f = simulator().frame(kFirst + kTeleport + k);

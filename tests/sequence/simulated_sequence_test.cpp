@@ -2,11 +2,9 @@
 // The default mode on a cut of a simulated sequence that holds the onset, under the paper's drift.
 #include <gtest/gtest.h>
 
-#include "datasets/image_files.hpp"
 #include "geometry/parallel.hpp"
-#include "priors/simulated_drift.hpp"
 #include "sequence_run.hpp"
-#include "simulation/depth_sensor.hpp"
+#include "simulated_cut.hpp"
 #include "simulation/simulator.hpp"
 
 namespace rf {
@@ -16,40 +14,13 @@ constexpr int kFirst = 24;  // the object starts about frame 36
 constexpr int kFrames = 60;
 constexpr std::uint64_t kSeed = 41;
 
-struct Rendered {
-  std::vector<RgbdFrame> frames;
-  std::vector<Image<std::uint8_t>> truth;
-  std::vector<double> speed;
-  Trajectory camera, object, camera_prior, object_prior;
-  Camera model;
-};
-
-Rendered render() {
-  const sim::Simulator simulator("overtake", kSeed);
-  Rendered out;
-  out.model = simulator.world().camera;
-  setThreads(2);
-  for (int k = 0; k < kFrames; ++k) {
-    sim::SimulatedFrame f = simulator.frame(kFirst + k);
-    RgbdFrame frame;
-    frame.utime = frame.colour_utime = f.utime;
-    frame.seq = k;
-    frame.colour = std::move(f.colour);
-    frame.depth_mm = depthToMillimetres(f.depth, sim::kDepthFactor);
-    out.frames.push_back(std::move(frame));
-    out.truth.push_back(std::move(f.mask));
-    out.speed.push_back(f.object_speed_mps);
-    out.camera.push_back({f.utime, f.T_WC});
-    out.object.push_back({f.utime, f.T_WB[1]});
-  }
-  setThreads(1);
-  out.camera_prior = withDrift(out.camera, {0.06, 0.4, kSeed, DriftStream::kCamera});
-  out.object_prior = withDrift(out.object, {0.015, 0.1, kSeed, DriftStream::kObject});
-  return out;
+const sim::Simulator& simulator() {
+  static const sim::Simulator instance("overtake", kSeed);
+  return instance;
 }
 
-const Rendered& scene() {
-  static const Rendered instance = render();
+const SimulatedCut& scene() {
+  static const SimulatedCut instance = renderCut(simulator(), kFirst, kFrames, kSeed);
   return instance;
 }
 
@@ -64,7 +35,7 @@ SequenceRun run(int threads, Priors priors, const std::string& mode = "rigidfusi
   if (priors == Priors::kBoth) prior.addObjectPoses(scene().object_prior);
   std::size_t at = 0;
   const SequenceRun out =
-      runSequence(scene().model, config, prior, [&]() -> std::optional<RgbdFrame> {
+      runSequence(simulator().world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
         if (at == scene().frames.size()) return std::nullopt;
         return scene().frames[at++];
       });
