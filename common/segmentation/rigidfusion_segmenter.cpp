@@ -6,6 +6,8 @@
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "geometry/undistort.hpp"
@@ -13,12 +15,15 @@
 #include "segmentation/hypotheses.hpp"
 #include "segmentation/map_evidence.hpp"
 #include "segmentation/prior_filter.hpp"
+#include "segmentation/prior_trust.hpp"
 
 namespace rf {
 namespace {
 
 constexpr int kLevels = 3;  // working resolution and the two below it
 constexpr int kMaskLevel = 0, kFineLevel = 1, kCoarseLevel = 2;
+
+enum class ObjectPriorUse { kAll, kStart, kNone };
 
 /// A processed frame that may serve as reference.
 struct Past {
@@ -27,10 +32,15 @@ struct Past {
   std::vector<TermLevel> levels;  ///< [kMaskLevel..kCoarseLevel]; the mask level stays empty
   Image<float> mask_depth;        ///< at the mask level, only while the frame is the newest
   SE3 T_WC, T_CO;                 ///< own bookkeeping, refined by feedback
-  bool anchored = false;          ///< the models confirmed both
-  Increment camera;               ///< accepted prior increment from the frame before
-  Increment object;               ///< the same: T_Oa^-1 T_Ob, or T(xi_d) from kinematics
-  Image<std::uint8_t> memory;     ///< last known scores, kept while the object rests
+  bool camera_confirmed = false;  ///< tracked against the static map
+  bool object_confirmed = false;  ///< tracked against its own model
+  bool anchored = false;          ///< the models confirmed all that there is
+  bool object_moves = false;
+  Increment camera_source;  ///< the prior as given; measured: false when it is missing
+  Increment object_source;
+  Increment camera;            ///< accepted prior increment from the frame before
+  Increment object;            ///< the same: T_Oa^-1 T_Ob, or T(xi_d) from kinematics
+  Image<std::uint8_t> memory;  ///< last known scores, kept while the object rests
 };
 
 class Clock {
@@ -44,6 +54,14 @@ class Clock {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+ObjectPriorUse useOf(const std::string& name) {
+  if (name == "all") return ObjectPriorUse::kAll;
+  if (name == "start") return ObjectPriorUse::kStart;
+  if (name == "none") return ObjectPriorUse::kNone;
+  throw std::invalid_argument("segmentation.object_prior_use = " + name +
+                              ": must be all, start or none");
+}
 
 Mat6 inverseOf(const Mat6& covariance) {
   const Mat6 regular = covariance + 1e-12 * Mat6::Identity();
@@ -122,13 +140,19 @@ struct RigidFusionSegmenter::Impl {
       : config(segmentation_config),
         camera(input_camera),
         undistorter(input_camera),
+        object_prior_use(useOf(config.object_prior_use)),
         camera_filter({config.camera_spread_m, config.camera_spread_rad}),
-        object_filter({config.object_spread_m, config.object_spread_rad}) {}
+        object_filter({config.object_spread_m, config.object_spread_rad}),
+        camera_trust(config.prior_trust),
+        object_trust(config.prior_trust),
+        object_anchored(object_prior_use != ObjectPriorUse::kNone) {}
 
   SegmentationConfig config;
   Camera camera;
   Undistorter undistorter;
+  ObjectPriorUse object_prior_use;
   PriorFilter camera_filter, object_filter;
+  PriorTrust camera_trust, object_trust;
   std::deque<Past> past;       ///< oldest first
   std::optional<MapView> map;  ///< both models as seen from ...
   SE3 T_WM, T_MO;              ///< ... this camera, and where the body was then
@@ -136,12 +160,14 @@ struct RigidFusionSegmenter::Impl {
   std::optional<SE3> last_object_step;    ///< T_Oa^-1 T_Ob in the world
   std::optional<SE3> last_object_motion;  ///< T(xi_d)
   bool object_prior_seen = false;
-  bool object_anchored = true;    ///< the object prior's world is known to be the camera's
+  int agreed_frames = 0;  ///< with two bodies, both confirmed, and the camera prior in agreement
+  bool object_anchored;   ///< the object prior is used; its world is the camera's
   bool kinematic_object = false;  ///< the prior is T_CO, independent of the camera's own motion
 
   SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
                              const ModelState* feedback);
   void applyFeedback(const ModelState* feedback);
+  void judgePriors(std::size_t at);
   void startPoses(const MotionPrior& prior, Past& now);
   void acceptPriors(const MotionPrior& prior, Past& now);
   const Past* reference(const Past& now) const;
@@ -161,6 +187,7 @@ struct RigidFusionSegmenter::Impl {
                 const JointPrior& prior, Past& now, SegmentationResult& out) const;
   void estimate(const Past& reference, const Clusters& clusters, Past& now, SegmentationResult& out,
                 Clock& clock);
+  bool mature() const { return agreed_frames >= config.mature_frames; }
   Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
   void coast(Past& now, SegmentationResult& out) const;
   void finish(Past& now, SegmentationResult& out);
@@ -169,16 +196,19 @@ struct RigidFusionSegmenter::Impl {
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
   map.reset();
   if (feedback == nullptr || past.empty() || !config.use_feedback) return;
-  for (Past& p : past) {
+  for (std::size_t i = 0; i < past.size(); ++i) {
+    Past& p = past[i];
     if (p.utime != feedback->utime) continue;
-    const bool good = feedback->camera.health == Health::kTracked;
-    p.anchored = good && (!feedback->object_exists || feedback->object.health == Health::kTracked);
-    if (good) {
+    p.camera_confirmed = feedback->camera.health == Health::kTracked;
+    p.object_confirmed = p.camera_confirmed && feedback->object_exists &&
+                         feedback->object.health == Health::kTracked;
+    p.anchored = p.camera_confirmed && (!feedback->object_exists || p.object_confirmed);
+    if (p.camera_confirmed) {
       p.T_WC = feedback->camera.T_W;
-      if (feedback->object_exists && object_prior_seen &&
-          feedback->object.health == Health::kTracked) {
+      if (p.object_confirmed && object_prior_seen) {
         p.T_CO = p.T_WC.inverse() * feedback->object.T_W;
       }
+      judgePriors(i);
       if (feedback->object_exists && config.map.weight > 0) {
         map = MapView{camera.undistorted().reduced(feedback->reduction),
                       feedback->predicted_depth_mm, feedback->body};
@@ -189,9 +219,22 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
   }
 }
 
+/// What the sources said of a frame whose poses are now known.
+void RigidFusionSegmenter::Impl::judgePriors(std::size_t at) {
+  const Past& p = past[at];
+  const Past* before = at > 0 ? &past[at - 1] : nullptr;
+  if (p.camera_source.measured && p.object_confirmed && p.object_moves && !mature()) {
+    agreed_frames = camera_trust.translationFactor() > 1.0 ? 0 : agreed_frames + 1;
+  }
+  camera_trust.observe(p.camera_source, p.T_WC, before != nullptr && before->camera_confirmed);
+  if (!p.object_confirmed || !object_prior_seen) return;
+  const SE3 pose = kinematic_object ? p.T_CO.inverse() : p.T_WC * p.T_CO;
+  object_trust.observe(p.object_source, pose, before != nullptr && before->object_confirmed);
+}
+
 void RigidFusionSegmenter::Impl::startPoses(const MotionPrior& prior, Past& now) {
   if (prior.camera != PriorState::kMissing) now.T_WC = prior.T_WCb;
-  if (prior.object == PriorState::kMissing) return;
+  if (prior.object == PriorState::kMissing || !object_anchored) return;
   if (prior.object_kind == ObjectPriorKind::kCameraFrame) {
     now.T_CO = prior.T_XOb;
   } else if (prior.object_kind == ObjectPriorKind::kWorldFrame) {
@@ -203,17 +246,26 @@ void RigidFusionSegmenter::Impl::startPoses(const MotionPrior& prior, Past& now)
 
 void RigidFusionSegmenter::Impl::acceptPriors(const MotionPrior& prior, Past& now) {
   std::optional<SE3> camera_prior;
-  if (prior.camera != PriorState::kMissing) camera_prior = prior.T_CaCb;
-  now.camera = camera_filter.accept(camera_prior, prior.camera_cov, last_camera_step);
+  if (prior.camera != PriorState::kMissing) {
+    camera_prior = prior.T_CaCb;
+    now.camera_source = {prior.T_CaCb, prior.camera_cov, true, false};
+  }
+  // A start with labels swapped must not talk the only witness against it down.
+  const bool may_adapt = object_prior_seen || mature();
+  now.camera = camera_filter.accept(
+      camera_prior, may_adapt ? camera_trust.adapted(prior.camera_cov) : prior.camera_cov,
+      last_camera_step);
   std::optional<SE3> object_prior;
   if (object_anchored && prior.object != PriorState::kMissing &&
       prior.object_kind != ObjectPriorKind::kNone) {
     kinematic_object = prior.object_kind == ObjectPriorKind::kCameraFrame;
-    object_prior = kinematic_object ? prior.T_XOa * prior.T_XOb.inverse()
-                                    : prior.T_XOa.inverse() * prior.T_XOb;
+    const SE3 given = kinematic_object ? prior.T_XOa * prior.T_XOb.inverse()
+                                       : prior.T_XOa.inverse() * prior.T_XOb;
     object_prior_seen = true;
+    now.object_source = {given, prior.object_cov, true, false};
+    if (object_prior_use == ObjectPriorUse::kAll || !mature()) object_prior = given;
   }
-  now.object = object_filter.accept(object_prior, prior.object_cov,
+  now.object = object_filter.accept(object_prior, object_trust.adapted(prior.object_cov),
                                     kinematic_object ? last_object_motion : last_object_step);
 }
 
@@ -332,8 +384,9 @@ DecisionInput RigidFusionSegmenter::Impl::decisionInput(const Past& ref, const P
                  clusters.centres.size(), chain_s.inverse() * input.continued.T_s,
                  chain_d.inverse() * input.continued.T_d);
   input.continued.gamma = input.warped.target;
-  // Where priors can decide, a young map would only confirm a wrong start.
-  if (map && !object_prior_seen && !now.camera.measured) {
+  // Where a prior can decide, a map that it has not confirmed yet might only confirm a wrong start.
+  const bool no_prior = !object_prior_seen && !now.camera.measured;
+  if (map && (no_prior || mature())) {
     input.map = &*map;
     input.T_MA_static = T_WM.inverse() * ref.T_WC;
     input.T_MA_object = T_MO * ref.T_CO.inverse();
@@ -439,6 +492,7 @@ void RigidFusionSegmenter::Impl::finish(Past& now, SegmentationResult& out) {
   const Past& last = past.back();
   out.camera.T_AB = last.T_WC.inverse() * now.T_WC;
   out.object.T_AB = last.T_CO * now.T_CO.inverse();
+  now.object_moves = out.object_moving;
   last_camera_step = out.camera.T_AB;
   last_object_motion = out.object.T_AB;
   const SE3 T_WO_a = last.T_WC * last.T_CO;

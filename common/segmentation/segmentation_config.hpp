@@ -9,6 +9,7 @@
 #include "segmentation/joint_solver.hpp"
 #include "segmentation/map_evidence.hpp"
 #include "segmentation/paper_config.hpp"
+#include "segmentation/prior_trust.hpp"
 
 namespace rf {
 
@@ -33,6 +34,8 @@ struct SegmentationConfig {
   double object_spread_rad = 0.006;
   double chain_spread_m = 0.005;
   double chain_spread_rad = 0.010;
+  int mature_frames = 30;
+  std::string object_prior_use = "all";
   double free_object_m = 0.05;
   double free_object_rad = 0.1;
   double lost_inlier_share = 0.01;
@@ -41,6 +44,7 @@ struct SegmentationConfig {
   JointParams joint;
   DecisionParams decision;
   MapEvidenceParams map;
+  PriorTrustParams prior_trust;
   ClusterParams clusters;
   PaperConfig paper;
 
@@ -74,6 +78,11 @@ struct SegmentationConfig {
     v("chain_spread_m", chain_spread_m, 0.0, 1.0, "m",
       "error of chained estimates that the models have not confirmed");
     v("chain_spread_rad", chain_spread_rad, 0.0, 1.0, "rad", "the same for turns");
+    v("mature_frames", mature_frames, 0, 100000, "frames",
+      "moving frames in which the camera prior agreed, from which on the models have a vote on "
+      "whose motion is whose");
+    v("object_prior_use", object_prior_use, "-",
+      "all | start: not any more once the models have that vote | none");
     v("free_object_m", free_object_m, 1e-4, 1.0, "m",
       "object motion over the window without an object prior");
     v("free_object_rad", free_object_rad, 1e-4, 1.0, "rad",
@@ -86,6 +95,7 @@ struct SegmentationConfig {
     v("joint", joint, "joint solve of motions and scores");
     v("decision", decision, "competing readings of a frame");
     v("map", map, "what the models say of the scores");
+    v("prior_trust", prior_trust, "how priors are judged by their innovations");
     v("clusters", clusters, "K-means clusters");
     v("paper", paper, "modes that follow the publications");
   }
