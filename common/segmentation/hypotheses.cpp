@@ -77,6 +77,13 @@ class Readings {
     return {name, solve(start, in_.window_prior, weak_), false};
   }
 
+  /// At a slow start the dominant motion is neither body's: it lies between the two.
+  Candidate between(const SE3& L) const {
+    const SE3 half = SE3::exp(-0.5 * in_.window_prior.object_motion.log());
+    const SE3 T_s = half * L;
+    return fromMotions("between", T_s, in_.window_prior.expectedObject(T_s));
+  }
+
   Candidate swapped(const Candidate& continued) const {
     JointState start = continued.fit.state;
     std::swap(start.T_s, start.T_d);
@@ -159,6 +166,9 @@ Decision decide(const DecisionInput& input, const JointParams& params,
         readings.fromMotions("camera-dominant", L, input.window_prior.expectedObject(L)));
     candidates.push_back(
         readings.fromMotions("object-dominant", input.window_prior.expectedCamera(L), L));
+    if (input.window_prior.object == JointPrior::Object::kRelative) {
+      candidates.push_back(readings.between(L));
+    }
     candidates.push_back(readings.swapped(candidates.front()));
     candidates.push_back(readings.restarted());
   }

@@ -61,9 +61,9 @@ struct DecisionInput {
 
 /// The winning reading of the frame.
 struct Decision {
-  std::string
-      name;      ///< continue, camera-dominant, object-dominant, swap, restart, one-body, outliers
-  JointFit fit;  ///< at the coarse level
+  std::string name;        ///< continue, camera-dominant, object-dominant, between, swap, restart,
+                           ///< one-body, outliers
+  JointFit fit;            ///< at the coarse level
   bool continued = false;  ///< the step prior (not the window's) belongs to it
   double energy = 0;
   double one_body_energy = 0;  ///< for diagnosis: without the bonus

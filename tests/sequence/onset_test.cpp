@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A slow start: until the labels are right the dominant motion lies between the world's and the
+// body's, and must not take the camera along.
+#include <gtest/gtest.h>
+
+#include "geometry/parallel.hpp"
+#include "sequence_run.hpp"
+#include "simulated_cut.hpp"
+#include "simulation/simulator.hpp"
+
+namespace rf {
+namespace {
+
+constexpr int kFirst = 20;  // the object starts at frame 30 and has moved 1 cm at frame 43
+constexpr int kFrames = 40;
+constexpr std::uint64_t kSeed = 2;
+
+TEST(Onset, TheCameraStaysWithTheWorld) {
+  const sim::Simulator simulator("orbit", kSeed);
+  const SimulatedCut cut = renderCut(simulator, kFirst, kFrames, kSeed);
+  setThreads(2);
+  const PipelineConfig config;
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(cut.camera_prior);
+  prior.addObjectPoses(cut.object_prior);
+  std::size_t at = 0;
+  const SequenceRun out =
+      runSequence(simulator.world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
+        if (at == cut.frames.size()) return std::nullopt;
+        return cut.frames[at++];
+      });
+  setThreads(1);
+  ASSERT_EQ(out.camera.size(), cut.frames.size());
+  const TrajectoryScore camera = scoreCamera(out.camera, cut.camera, out.frames);
+  EXPECT_LT(camera.ate_first.max, 0.015) << "dragged: 0.03 and more";
+
+  std::vector<PixelCounts> counts;
+  for (std::size_t k = 0; k < out.masks.size(); ++k) {
+    const double moved = (cut.object[k].pose.t - cut.object.front().pose.t).norm();
+    if (moved > 0.02) counts.push_back(countPixels(cut.truth[k], out.masks[k]));
+  }
+  ASSERT_GT(counts.size(), 10U);
+  EXPECT_GT(scoreSegmentation(counts, 0).iou, 0.9);
+}
+
+}  // namespace
+}  // namespace rf
