@@ -175,6 +175,13 @@ Decision decide(const DecisionInput& input, const JointParams& params,
 
   double c = std::numeric_limits<double>::max();
   for (const Candidate& k : candidates) c = std::min(c, k.fit.state.c);
+  const bool ask_map = input.map != nullptr && map.decision_weight > 0;
+  double noise = std::numeric_limits<double>::max();
+  for (const Candidate& k : candidates) {
+    if (!ask_map) break;
+    const SE3 T_MB = input.T_MA_static * k.fit.state.T_s;
+    noise = std::min(noise, mapNoise(*input.map, *input.level.b, T_MB, terms, map));
+  }
   const double scale = decision.reference_pixels / (2.0 * params.kappa);
   double continue_image = 0;
   Decision best;
@@ -185,9 +192,9 @@ Decision decide(const DecisionInput& input, const JointParams& params,
     const double image =
         scale * imageEnergy(input.level, candidate.fit, input.window_prior, params, c);
     double energy = image + input.window_prior.cost(state.T_s, state.T_d) + candidate.charge;
-    if (input.map != nullptr && map.decision_weight > 0) {
+    if (ask_map) {
       const MapReading reading{input.T_MA_static * state.T_s, input.T_MA_object * state.T_d,
-                               &state.gamma};
+                               &state.gamma, noise};
       energy += map.decision_weight * scale *
                 mapEnergy(*input.map, *input.level.b, *input.level.label, reading, terms, map,
                           params.outlier_margin);

@@ -64,6 +64,28 @@ double doubt(double advantage, const MapEvidenceParams& params) {
 
 }  // namespace
 
+double mapNoise(const MapView& map, const TermLevel& b, const SE3& T_MB_static,
+                const ImageTermParams& terms, const MapEvidenceParams& params) {
+  constexpr double kNormalMedian = 0.6745;  // of |r| / sigma
+  std::vector<double> residuals;
+  residuals.reserve(b.depth.size());
+  for (int v = 0; v < b.depth.height(); ++v) {
+    for (int u = 0; u < b.depth.width(); ++u) {
+      const double z = static_cast<double>(b.depth(u, v));
+      if (!(z > 0)) continue;
+      const Vec3 p = T_MB_static * b.camera.backProject(u, v, z);
+      const Seen seen = lookUp(map, p);
+      if (seen.body != kBodyStatic) continue;
+      const double sigma = gateAt(z, terms, params) / params.gate_sigma;
+      residuals.push_back(std::abs(p.z() - static_cast<double>(seen.z)) / sigma);
+    }
+  }
+  if (residuals.empty()) return 1.0;
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return std::max(1.0, *middle / kNormalMedian);
+}
+
 double mapEnergy(const MapView& map, const TermLevel& b, const Image<std::uint8_t>& label,
                  const MapReading& reading, const ImageTermParams& terms,
                  const MapEvidenceParams& params, double outlier_margin) {
@@ -76,7 +98,7 @@ double mapEnergy(const MapView& map, const TermLevel& b, const Image<std::uint8_
       pixels += 1;
       const double z = static_cast<double>(b.depth(u, v));
       const Vec3 p_b = b.camera.backProject(u, v, z);
-      const double sigma = gateAt(z, terms, params) / params.gate_sigma;
+      const double sigma = reading.noise * gateAt(z, terms, params) / params.gate_sigma;
       const auto energy = [&](const Vec3& p, std::uint8_t body, double unknown) {
         const Seen seen = lookUp(map, p);
         if (seen.body != body) return unknown;

@@ -51,7 +51,14 @@ struct MapView {
 struct MapReading {
   SE3 T_MB_static, T_MB_object;
   const std::vector<float>* gamma = nullptr;  ///< per cluster
+  double noise = 1;                           ///< factor on the sensor's sigma, of mapNoise
 };
+
+/// How far B's surface lies from the static model's under this motion, in sigmas of the sensor:
+/// median over what both see, at least 1. A sensor that is noisier than its model must not make
+/// bodies that are unknown look likelier than the world.
+double mapNoise(const MapView& map, const TermLevel& b, const SE3& T_MB_static,
+                const ImageTermParams& terms, const MapEvidenceParams& params);
 
 /// Mean log energy per pixel of a reading's labels against the models' surfaces: a static pixel
 /// pays for its distance to the static model, a dynamic one for that to the body's, at most

@@ -160,5 +160,24 @@ TEST(MapEnergy, IsLeastForTheRightLabelsAndMotions) {
   EXPECT_GT(energy(right, shifted(0, 0.3)), energy(right, {}) + 0.5);
 }
 
+TEST(MapEnergy, ANoisySensorDoesNotMakeTheWorldUnknown) {
+  TermLevel b;
+  b.camera = camera();
+  b.depth = plane(3.0F);
+  Image<std::uint8_t> label(kWidth, kHeight, 0);
+  const std::vector<float> world = {1.0F};
+  const std::vector<float> unknown = {0.0F};
+  const SE3 three_sigma = shifted(0, 0.07);
+  const double noise = mapNoise(wallAndBody(), b, three_sigma, {}, {});
+  EXPECT_GT(noise, 2.0);
+  const auto energy = [&](const std::vector<float>& gamma, double factor) {
+    const MapReading reading{three_sigma, three_sigma, &gamma, factor};
+    return mapEnergy(wallAndBody(), b, label, reading, {}, {}, 1.0);
+  };
+  EXPECT_GT(energy(world, 1.0), energy(unknown, 1.0)) << "three times the stated noise";
+  EXPECT_LT(energy(world, noise), energy(unknown, noise));
+  EXPECT_EQ(mapNoise(wallAndBody(), b, {}, {}, {}), 1.0);
+}
+
 }  // namespace
 }  // namespace rf
