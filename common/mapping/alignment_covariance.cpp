@@ -45,7 +45,7 @@ double meanOf(const std::vector<float>& values) {
 
 // What a block may be displaced by without a residual, as the pose that displaces it so.
 Mat6 ownDisplacement(double depth, const AlignmentNoise& noise, double sigma) {
-  const double across = noise.factor * CommonError::kPhase * depth / noise.focal_px;
+  const double across = noise.factor * noise.assumed * CommonError::kPhase * depth / noise.focal_px;
   const double along = CommonError::kDepthShare * sigma;
   Mat6 C = Mat6::Zero();
   C.diagonal().head<3>() << across * across, across * across, along * along;

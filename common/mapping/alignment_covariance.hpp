@@ -30,7 +30,8 @@ struct AlignmentNoise {
   double correlation = 1;     ///< pixels for one independent measurement
   double focal_px = 1;
   SensorModel sensor;
-  double factor = 1;  ///< whitened rms of the residuals: what is measured of what is assumed
+  double factor = 1;   ///< whitened rms of the residuals: what is measured of what is assumed
+  double assumed = 1;  ///< SensorConfig::noise, contained in `sensor` and in the rows' weights
 };
 
 /// Covariance (right perturbation) of the pose that minimises sum w r^2 / correlation plus the

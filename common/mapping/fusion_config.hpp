@@ -11,6 +11,8 @@ struct SensorConfig {
   double sigma_base_m = 0.0012;
   double sigma_growth = 0.0019;
   double sigma_near_m = 0.4;
+  double noise = 1.0;  ///< factor on sigma_z; where it is adapted, at the start
+  bool adapt_noise = true;
   double depth_min_m = 0.3;
   double depth_max_m = 5.0;
 
@@ -19,6 +21,8 @@ struct SensorConfig {
     v("sigma_base_m", sigma_base_m, 1e-5, 0.1, "m", "depth noise at sigma_near_m");
     v("sigma_growth", sigma_growth, 0.0, 1.0, "1/m", "growth of the depth noise with (z - near)^2");
     v("sigma_near_m", sigma_near_m, 0.0, 5.0, "m", "depth at which the noise is sigma_base_m");
+    v("noise", noise, 0.1, 10.0, "-", "factor on the depth noise");
+    v("adapt_noise", adapt_noise, "-", "widen that factor by the residuals of tracked frames");
     v("depth_min_m", depth_min_m, 0.05, 5.0, "m", "nearer measurements are ignored");
     v("depth_max_m", depth_max_m, 0.5, 30.0, "m", "farther measurements are ignored");
   }

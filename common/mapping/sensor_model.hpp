@@ -10,8 +10,8 @@ struct SensorModel {
   float base = 0.0012F, growth = 0.0019F, near = 0.4F;
 
   explicit SensorModel(const SensorConfig& c)
-      : base(static_cast<float>(c.sigma_base_m)),
-        growth(static_cast<float>(c.sigma_growth)),
+      : base(static_cast<float>(c.noise * c.sigma_base_m)),
+        growth(static_cast<float>(c.noise * c.sigma_growth)),
         near(static_cast<float>(c.sigma_near_m)) {}
 
   /// Standard deviation (m) of a depth of z metres.

@@ -272,9 +272,10 @@ KernelInput kernelInput(const TrackLevel& level, const Image<float>& weight, con
   in.depth = level.depth.data();
   in.intensity = level.intensity.data();
   in.weight = weight.data();
-  in.sigma_base = static_cast<float>(config.sensor.sigma_base_m);
-  in.sigma_growth = static_cast<float>(config.sensor.sigma_growth);
-  in.sigma_near = static_cast<float>(config.sensor.sigma_near_m);
+  const SensorModel sensor(config.sensor);
+  in.sigma_base = sensor.base;
+  in.sigma_growth = sensor.growth;
+  in.sigma_near = sensor.near;
   in.sigma_floor = static_cast<float>(t.sigma_floor_m);
   in.sigma_intensity = static_cast<float>(t.sigma_intensity);
   in.gradient_intensity = static_cast<float>(t.gradient_intensity);
@@ -326,7 +327,7 @@ TrackResult alignToModel(const std::vector<TrackReference>& reference,
     r.covariance =
         alignmentCovariance(alignmentBlocks(last.points, last.camera, e.input),
                             {prior, c.correlation, last.camera.fx, SensorModel(config.sensor),
-                             std::max(kLeastResidual, r.rms_sigma)});
+                             std::max(kLeastResidual, r.rms_sigma), config.sensor.noise});
   }
   return r;
 }

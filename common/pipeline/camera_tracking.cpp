@@ -111,6 +111,10 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   m.world.T_FC = m.world.T_FC * r.T_PC;
   m.camera_pose.T_W = m.T_WF * m.world.T_FC;
   const Mat6 step_cov = gap || leap || lost ? start_cov : stepCovariance(s.camera.covariance, t);
+  if (r.accepted && m.config.sensor.adapt_noise) {
+    m.noise.learn(r.rms_sigma);
+    m.config.sensor.noise = m.noise.factor();
+  }
   judgeCamera({r, s, step_cov, minInliers(m), gap, leap}, m);
   // A frame that segmentation could not read has no mask; a picture that shows nothing must not
   // repaint the map. A pose that has nothing to be compared with may be fused while it is trusted.

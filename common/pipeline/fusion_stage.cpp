@@ -72,10 +72,12 @@ ModelState report(const RgbdFrame& frame, const Camera& input_camera, const Fusi
 
 struct FusionStage::Impl {
   Impl(const FusionConfig& config, const Camera& cam)
-      : input_camera(cam),
+      : given(config),
+        input_camera(cam),
         undistorter(cam),
         state(config, cam.undistorted().reduced(config.reduction)) {}
 
+  FusionConfig given;
   Camera input_camera;
   Undistorter undistorter;
   FusionState state;
@@ -131,8 +133,6 @@ std::vector<SurfelPoint> FusionStage::surfels(std::uint8_t body) const {
   return {};
 }
 
-void FusionStage::reset() {
-  impl_ = std::make_unique<Impl>(impl_->state.config, impl_->input_camera);
-}
+void FusionStage::reset() { impl_ = std::make_unique<Impl>(impl_->given, impl_->input_camera); }
 
 }  // namespace rf

@@ -15,6 +15,7 @@ constexpr double kReferencePixels = 320.0 * 240.0;  // thresholds in pixels are 
 
 FusionState::FusionState(const FusionConfig& c, const Camera& map_camera)
     : config(c),
+      noise(c.sensor.noise),
       camera(map_camera),
       stable(logit(c.surfels.stable_confidence)),
       world(c, map_camera),

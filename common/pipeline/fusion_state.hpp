@@ -8,6 +8,7 @@
 #include "geometry/camera.hpp"
 #include "geometry/se3.hpp"
 #include "mapping/body_model.hpp"
+#include "mapping/depth_noise.hpp"
 #include "mapping/fusion_config.hpp"
 #include "mapping/object_life.hpp"
 #include "mapping/shared_place.hpp"
@@ -23,8 +24,9 @@ struct FusionState {
   FusionState(const FusionConfig& config, const Camera& map_camera);
 
   FusionConfig config;
-  Camera camera;  ///< of the maps
-  float stable;   ///< log-odds from which a surfel is stable
+  DepthNoise noise;  ///< config.sensor.noise follows it
+  Camera camera;     ///< of the maps
+  float stable;      ///< log-odds from which a surfel is stable
 
   BodyModel world;
   BodyModel object;
