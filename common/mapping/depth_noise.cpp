@@ -2,6 +2,7 @@
 #include "mapping/depth_noise.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rf {
 namespace {
@@ -17,8 +18,13 @@ constexpr double kWidest = 4.0;  // beyond that a sensor has another model
 void DepthNoise::learn(double rms_sigma) {
   if (!(rms_sigma > 0)) return;
   frames_ = std::min(frames_ + 1, kFrames);
-  mean_ += (rms_sigma * factor_ - mean_) / frames_;
-  factor_ = std::clamp(mean_ / kUsualRms, start_, std::max(start_, kWidest));
+  // The map is a mean of the frames before: at first as noisy as they.
+  const double own = rms_sigma * factor_ / std::sqrt(1.0 + 1.0 / frames_);
+  mean_ += (own - mean_) / frames_;
+  const double measured = mean_ / kUsualRms;
+  // Nothing up to 1.17, all of it from 1.25 on: a model is believed within what it varies by.
+  const double counted = std::min(measured, 3.0 * measured - 2.5);
+  factor_ = std::clamp(counted, start_, std::max(start_, kWidest));
 }
 
 }  // namespace rf

@@ -6,7 +6,8 @@ namespace rf {
 /// How noisy depth is, as a factor on the sensor model's sigma, learnt from the residuals of frames
 /// that were tracked against the map. A sensor that is noisier than its model else grows surfels
 /// in front of every surface (what lies a gate before the map is new, what lies behind it is not),
-/// and the map creeps along with the camera (docs/ALGORITHM.md).
+/// and the map creeps along with the camera (docs/ALGORITHM.md). Within a sixth of the model the
+/// model holds.
 class DepthNoise {
  public:
   /// `start`: the configured factor, which the learnt one never falls below.

@@ -3,12 +3,25 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace rf {
 namespace {
 
-/// Frames of a sensor whose residuals are `rms` of the model's own sigma.
-void track(DepthNoise& noise, double rms, int frames) {
-  for (int k = 0; k < frames; ++k) noise.learn(rms / noise.factor());
+/// Frames of a sensor whose residuals against a settled map are `rms` of the model's own sigma.
+void track(DepthNoise& noise, double rms, int frames, bool young_map = false) {
+  for (int k = 1; k <= frames; ++k) {
+    const double of_map = young_map ? std::sqrt(1.0 + 1.0 / k) : 1.0;
+    noise.learn(rms * of_map / noise.factor());
+  }
+}
+
+TEST(DepthNoise, AYoungMapIsNoNoise) {
+  for (int frames = 1; frames < 40; ++frames) {
+    DepthNoise fresh(1.0);
+    track(fresh, 0.9, frames, true);
+    EXPECT_EQ(fresh.factor(), 1.0) << frames << " frames";
+  }
 }
 
 TEST(DepthNoise, StaysAtOneWhereTheModelHolds) {
@@ -21,7 +34,7 @@ TEST(DepthNoise, StaysAtOneWhereTheModelHolds) {
 
 TEST(DepthNoise, FindsTwiceTheNoiseAndItsEnd) {
   DepthNoise noise(1.0);
-  track(noise, 1.75, 5);
+  track(noise, 1.75, 5, true);
   EXPECT_NEAR(noise.factor(), 1.95, 0.05) << "from the first frames on";
   track(noise, 1.75, 100);
   EXPECT_NEAR(noise.factor(), 1.95, 0.05);
