@@ -112,6 +112,21 @@ void checkValue(Check& check, const MotionPrior& p) {
   check.transform("T_XOa", p.T_XOa);
   check.transform("T_XOb", p.T_XOb);
   check.covariance("object_covariance", p.object_cov);
+  check.rule(p.self.size() <= kMaxRobotShapes,
+             fmt::format("n_shapes is {}, at most {} are allowed", p.self.size(), kMaxRobotShapes));
+  for (const PosedShape& shape : p.self) {
+    check.range("shape's kind", static_cast<int>(shape.kind), 0, 2);
+    for (const double half : shape.half) check.range("shape's half", half, 1e-6, 100);
+    check.transform("shape's T_CS", shape.T_CS);
+  }
+}
+
+rigidfusion::robot_shape_t toWire(const PosedShape& shape) {
+  rigidfusion::robot_shape_t out;
+  out.kind = static_cast<std::int32_t>(shape.kind);
+  for (int i = 0; i < 3; ++i) out.half[i] = shape.half[i];
+  out.T_CS = rf::toWire(shape.T_CS);
+  return out;
 }
 
 rigidfusion::body_motion_t toWire(const BodyMotion& motion) {
@@ -293,6 +308,8 @@ Result<rigidfusion::motion_prior_t> toMessage(const MotionPrior& p) {
   out.T_XOa = toWire(p.T_XOa);
   out.T_XOb = toWire(p.T_XOb);
   toWire(p.object_cov, out.object_covariance);
+  for (const PosedShape& shape : p.self) out.shapes.push_back(toWire(shape));
+  out.n_shapes = static_cast<std::int32_t>(p.self.size());
   return out;
 }
 
@@ -310,6 +327,11 @@ Result<MotionPrior> toValue(const rigidfusion::motion_prior_t& m) {
   out.T_XOa = rf::fromWire(m.T_XOa);
   out.T_XOb = rf::fromWire(m.T_XOb);
   out.object_cov = rf::fromWire(m.object_covariance);
+  for (const auto& shape : m.shapes) {
+    out.self.push_back({stateOf<RobotShapeKind>(shape.kind),
+                        Vec3(shape.half[0], shape.half[1], shape.half[2]),
+                        rf::fromWire(shape.T_CS)});
+  }
   Check check("motion_prior_t");
   checkValue(check, out);
   if (!check.good()) return Result<MotionPrior>::failure(check.problem());

@@ -184,6 +184,7 @@ std::string layoutProblem(ByteView body, const rigidfusion::model_state_t*) {
 std::string layoutProblem(ByteView body, const rigidfusion::motion_prior_t*) {
   Cursor c(body);
   c.skip(3 * 8 + 4 + 2 * kTransform + kCovariance + 2 * 4 + 2 * kTransform + kCovariance);
+  c.array(c.count32("n_shapes"), 4 + 3 * 8 + kTransform);
   return c.finish();
 }
 

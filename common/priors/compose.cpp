@@ -52,6 +52,7 @@ MotionPrior composePriors(const MotionPrior& ab, const MotionPrior& bc) {
     ac.T_XOb = bc.T_XOb;
     ac.object_cov = carried(ab.object_cov, objectIncrement(bc), bc.object_cov);
   }
+  ac.self = bc.self;
   return ac;
 }
 

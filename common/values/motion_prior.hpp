@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "geometry/se3.hpp"
+#include "values/robot_shape.hpp"
 
 namespace rf {
 
@@ -42,6 +44,10 @@ struct MotionPrior {
   /// World kind: covariance of T_XOa^-1 T_XOb (right perturbation, frame O_B). Camera kind: of the
   /// relative motion T_COa T_COb^-1 (right perturbation, frame C_B).
   Mat6 object_cov = Mat6::Identity();
+
+  /// The robot's own collision shapes in the camera frame of B, at most kMaxRobotShapes; empty
+  /// where they are not known.
+  std::vector<PosedShape> self;
 };
 
 }  // namespace rf

@@ -95,7 +95,26 @@ TEST(Conversions, PriorIsExactToTheBit) {
     EXPECT_EQ(back->T_XOa, p.T_XOa);
     EXPECT_EQ(back->T_XOb, p.T_XOb);
     EXPECT_EQ(back->object_cov, p.object_cov);
+    EXPECT_EQ(back->self, p.self);
   }
+}
+
+TEST(Conversions, PriorWithBadShapesIsRefused) {
+  const auto problem = [](auto change) {
+    MotionPrior p;
+    p.self.assign(2, {RobotShapeKind::kBox, Vec3(0.1, 0.2, 0.3), SE3()});
+    change(p);
+    return toMessage(p).error;
+  };
+  EXPECT_EQ(problem([](MotionPrior&) {}), "");
+  EXPECT_EQ(problem([](MotionPrior& p) { p.self[1].half.y() = 0; }),
+            "motion prior: shape's half is 0, must be within 1e-06 to 100");
+  EXPECT_EQ(problem([](MotionPrior& p) { p.self[1].kind = static_cast<RobotShapeKind>(3); }),
+            "motion prior: shape's kind is 3, must be within 0 to 2");
+  EXPECT_NE(problem([](MotionPrior& p) { p.self[0].T_CS.t.x() = NAN; }).find("T_CS is not finite"),
+            std::string::npos);
+  EXPECT_EQ(problem([](MotionPrior& p) { p.self.resize(257, p.self[0]); }),
+            "motion prior: n_shapes is 257, at most 256 are allowed");
 }
 
 TEST(Conversions, SmallTypesSurvive) {

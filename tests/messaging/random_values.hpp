@@ -102,6 +102,10 @@ class RandomValues {
     p.T_XOa = transform();
     p.T_XOb = transform();
     p.object_cov = covariance();
+    for (std::int64_t n = integer(0, 5); n > 0; --n) {
+      p.self.push_back({static_cast<RobotShapeKind>(integer(0, 2)),
+                        Vec3(real(0.01, 1), real(0.01, 1), real(0.01, 1)), transform()});
+    }
     return p;
   }
   EncodedFrame frame() {

@@ -15,6 +15,7 @@
 #include <rigidfusion/model_chunk_t.hpp>
 #include <rigidfusion/model_state_t.hpp>
 #include <rigidfusion/motion_prior_t.hpp>
+#include <rigidfusion/robot_shape_t.hpp>
 #include <rigidfusion/segmentation_t.hpp>
 #include <rigidfusion/service_status_t.hpp>
 #include <rigidfusion/transform_t.hpp>
@@ -47,7 +48,8 @@ TEST(TypeHashes, OwnTypesArePinned) {
   EXPECT_EQ(hashOf<rigidfusion::frame_tick_t>(), 0x7853ad0ee7ab8535ULL);
   EXPECT_EQ(hashOf<rigidfusion::model_chunk_t>(), 0x8e0d727b98e8030dULL);
   EXPECT_EQ(hashOf<rigidfusion::model_state_t>(), 0xb1d57f4ecaea87ceULL);
-  EXPECT_EQ(hashOf<rigidfusion::motion_prior_t>(), 0x3c4223b666e5c120ULL);
+  EXPECT_EQ(hashOf<rigidfusion::motion_prior_t>(), 0xd5e1e8b6c8a13100ULL);
+  EXPECT_EQ(hashOf<rigidfusion::robot_shape_t>(), 0xfee48fa9a7d78558ULL);
   EXPECT_EQ(hashOf<rigidfusion::segmentation_t>(), 0x6dc959a0362b3c3aULL);
   EXPECT_EQ(hashOf<rigidfusion::service_status_t>(), 0x83b49aff55945822ULL);
   EXPECT_EQ(hashOf<rigidfusion::transform_t>(), 0x35e3f2dbeb74d3afULL);
