@@ -190,6 +190,26 @@ struct ObjectModelConfig {
   }
 };
 
+/// Drift between surface that came back into view and what was mapped since (docs/ALGORITHM.md).
+struct LoopConfig {
+  bool close = true;
+  double min_share = 0.05;
+  double significance = 12.6;
+  double step_m = 0.002;
+  double step_rad = 0.002;
+
+  template <class V>
+  void visit(V& v) {
+    v("close", close, "-", "distribute the drift over what was mapped since");
+    v("min_share", min_share, 0.001, 1.0, "-",
+      "least share of the image of the surface that came back, and of the younger one");
+    v("significance", significance, 0.0, 1e6, "-",
+      "squared Mahalanobis distance between both from which on it is drift");
+    v("step_m", step_m, 1e-5, 1.0, "m", "most that the camera is moved a frame");
+    v("step_rad", step_rad, 1e-5, 1.0, "rad", "most that the camera is turned a frame");
+  }
+};
+
 /// Parameters of surfel fusion and frame-to-model tracking (paper section V).
 struct FusionConfig {
   int reduction = 2;  ///< input pixels per model pixel
@@ -197,6 +217,7 @@ struct FusionConfig {
   TrackingConfig tracking;
   SurfelConfig surfels;
   ObjectModelConfig object;
+  LoopConfig loop;
 
   template <class V>
   void visit(V& v) {
@@ -205,6 +226,7 @@ struct FusionConfig {
     v("tracking", tracking, "frame-to-model alignment");
     v("surfels", surfels, "surfel map");
     v("object", object, "life cycle of the object model");
+    v("loop", loop, "drift against surface that came back into view");
   }
 };
 

@@ -42,10 +42,24 @@ class MapUncertainty {
   /// to the mean, what it adds has its error.
   void fuse(std::int32_t time, const std::vector<Share>& seen, const Mat6& covariance_F);
 
+  /// When surfels of a frame counter were born.
+  static std::size_t epochOf(std::int32_t time);
+  /// Pieces of that time were out of view for two seconds and came back: what was mapped between
+  /// may have drifted against them.
+  bool cameBack(std::size_t epoch) const;
+
+  /// The pieces' part in a drift (left perturbation, frame F) that was observed with this
+  /// innovation covariance: P S^-1, errors being sums that all later pieces share. One matrix an
+  /// epoch; zero for pieces that came back. Lowers their covariances to what is left when `share`
+  /// of the correction is made.
+  std::vector<Mat6> takeCorrection(const Mat6& innovation_F, double share);
+
  private:
   struct Epoch {
     Mat6 covariance_F = Mat6::Zero();
     double frames = 0;
+    std::int32_t last_view = 0;
+    bool came_back = false;
   };
   std::vector<Epoch> epochs_;
 };

@@ -14,6 +14,7 @@
 #include "pipeline/camera_tracking.hpp"
 #include "pipeline/fusion_input.hpp"
 #include "pipeline/fusion_state.hpp"
+#include "pipeline/loop_closing.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/object_following.hpp"
 #include "pipeline/pose_uncertainty.hpp"
@@ -113,6 +114,7 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   notePlace(action, m);
   clock.lap("track_object");
   predictModels(action, m);
+  if (may.world && closeLoop(f, m)) may.world = false;
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);
   settleUncertainty(f, segmentation, action, may, m);
   clock.lap("predict");

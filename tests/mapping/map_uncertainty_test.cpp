@@ -59,6 +59,37 @@ TEST(MapUncertainty, TheMeanOfThePiecesCountsByTheirPixels) {
   EXPECT_NEAR(u.of({})(2, 2), 5, 1e-12) << "nothing is seen: as the newest";
 }
 
+TEST(MapUncertainty, KnowsWhatCameBackIntoView) {
+  constexpr int kLong = 100, kShort = 20;  // frames
+  const Seen scene({0});
+  MapUncertainty u;
+  u.fuse(0, {}, variance(1));
+  const auto seen = u.seen(scene.map, scene.show({0}), kAll);
+  u.fuse(kShort, seen, variance(1));
+  EXPECT_FALSE(u.cameBack(0)) << "a short absence is none";
+  u.fuse(kShort + kLong, seen, variance(1));
+  EXPECT_TRUE(u.cameBack(0));
+  EXPECT_FALSE(u.cameBack(MapUncertainty::epochOf(kShort + kLong))) << "this is new";
+  EXPECT_FALSE(u.cameBack(1000)) << "this is not yet there";
+}
+
+TEST(MapUncertainty, SharesACorrectionByWhatThePiecesMayBeOff) {
+  const Seen scene({0});
+  MapUncertainty u;
+  u.fuse(0, {}, variance(0.5));
+  const auto first = u.seen(scene.map, scene.show({0}), kAll);
+  u.fuse(kEpoch, {}, variance(1));
+  u.fuse(2 * kEpoch, {}, variance(3));
+  u.fuse(20 * kEpoch, first, variance(0.5));  // the first pieces come back
+  const std::vector<Mat6> gains = u.takeCorrection(variance(4), 1.0);
+  ASSERT_EQ(gains.size(), 21U);
+  EXPECT_EQ(gains[0], Mat6(Mat6::Zero()));
+  EXPECT_NEAR(gains[1](4, 4), 1.0 / 4, 1e-12);
+  EXPECT_NEAR(gains[2](4, 4), 3.0 / 4, 1e-12);
+  const auto middle = std::vector<MapUncertainty::Share>{{2, 1.0}};
+  EXPECT_NEAR(u.of(middle)(0, 0), 3 - 9.0 / 4, 1e-12) << "what the observation leaves";
+}
+
 // The camera moves on: each frame aligns to what the one before added.
 TEST(MapUncertainty, NewSurfaceInheritsAndAddsAndOldSurfaceAnchors) {
   constexpr int kSteps = 20;
