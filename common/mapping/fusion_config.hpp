@@ -192,7 +192,7 @@ struct ObjectModelConfig {
 
 /// Drift between surface that came back into view and what was mapped since (docs/ALGORITHM.md).
 struct LoopConfig {
-  bool close = true;
+  bool close = false;
   double min_share = 0.05;
   double significance = 12.6;
   double step_m = 0.002;
