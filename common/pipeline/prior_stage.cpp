@@ -66,11 +66,18 @@ void PriorStage::addObjectPoses(const Trajectory& T_XO) {
   for (const StampedPose& p : T_XO) object_.add(p.utime, p.pose);
 }
 
+void PriorStage::useRobot(RobotPrior robot, bool gives_camera, bool gives_object) {
+  robot_.emplace(std::move(robot));
+  robot_gives_camera_ = gives_camera;
+  robot_gives_object_ = gives_object;
+}
+
 bool PriorStage::covers(std::int64_t utime) const {
   const auto reaches = [utime](bool exists, const PoseBuffer& buffer) {
     return !exists || (!buffer.empty() && buffer.newest() >= utime);
   };
-  return reaches(has_camera_, camera_) && reaches(has_object_, object_);
+  return reaches(has_camera_, camera_) && reaches(has_object_, object_) &&
+         (!robot_ || robot_->covers(utime));
 }
 
 MotionPrior PriorStage::process(std::int64_t utime, std::int64_t seq) {
@@ -84,12 +91,26 @@ MotionPrior PriorStage::process(std::int64_t utime, std::int64_t seq) {
   prior.seq = seq;
   if (has_camera_) fillCamera(prior);
   if (has_object_) fillObject(prior);
+  if (robot_) fillFromRobot(prior);
   last_utime_ = utime;
   return prior;
 }
 
 PoseAt PriorStage::lookUp(const PoseBuffer& buffer, std::int64_t utime) const {
   return buffer.at(utime, config_.max_gap, config_.max_extrapolation);
+}
+
+void PriorStage::fillFromRobot(MotionPrior& prior) {
+  if (robot_gives_camera_ && !has_camera_) {
+    status_.camera_reason = robot_->fillCamera(prior);
+    count(prior.camera, status_.camera_missing, status_.camera_extrapolated);
+  }
+  if (robot_gives_object_ && !has_object_ && robot_->hasGripper()) {
+    status_.object_reason = robot_->fillObject(prior);
+    if (!status_.object_reason.empty())
+      count(prior.object, status_.object_missing, status_.object_extrapolated);
+  }
+  robot_->fillSelf(prior);
 }
 
 void PriorStage::fillCamera(MotionPrior& prior) {

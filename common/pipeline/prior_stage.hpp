@@ -7,17 +7,19 @@
 
 #include "priors/pose_buffer.hpp"
 #include "priors/prior_config.hpp"
+#include "priors/robot_prior.hpp"
 #include "values/motion_prior.hpp"
 #include "values/stamped_pose.hpp"
 
 namespace rf {
 
-/// Motion priors from pose sources as a plain object (paper section III): values in, values out.
-/// Missing or late data is flagged, never replaced by identity. Not thread-safe.
+/// Motion priors from pose sources or a robot as a plain object (paper section III): values in,
+/// values out. Missing or late data is flagged, never replaced by identity. Not thread-safe.
 ///
 /// Camera source: T_WB of a body B that carries the camera; with the extrinsic T_BC of the
 /// configuration T_WC = T_WB T_BC, and the drift of B is carried into the camera frame.
 /// Object source: T_WO in some world frame of its own, or T_CO, as `object_frame` says.
+/// A robot (URDF, odometry, joints, grasps) gives what no such source gives, and its own shapes.
 class PriorStage {
  public:
   /// Why the last prior was not valid; empty where it was, or where there is no source.
@@ -43,6 +45,13 @@ class PriorStage {
   void expectCamera() { has_camera_ = true; }
   void expectObject() { has_object_ = true; }
 
+  /// Takes a robot as the camera's, or the object's, source where no pose source is there; its
+  /// shapes go into every prior. A robot that holds nothing gives no object prior; that is no
+  /// fault.
+  void useRobot(RobotPrior robot, bool gives_camera, bool gives_object);
+  /// The robot, to feed it while it lives; nullptr when there is none.
+  RobotPrior* robot() { return robot_ ? &*robot_ : nullptr; }
+
   /// True when every source has a pose at or after `utime`: waiting longer brings nothing new.
   bool covers(std::int64_t utime) const;
 
@@ -60,6 +69,7 @@ class PriorStage {
   void restart() { last_utime_.reset(); }
 
  private:
+  void fillFromRobot(MotionPrior& prior);
   void fillCamera(MotionPrior& prior);
   void fillObject(MotionPrior& prior);
   PoseAt lookUp(const PoseBuffer& buffer, std::int64_t utime) const;
@@ -71,6 +81,9 @@ class PriorStage {
   bool has_object_ = false;
   PoseBuffer camera_;
   PoseBuffer object_;
+  std::optional<RobotPrior> robot_;
+  bool robot_gives_camera_ = false;
+  bool robot_gives_object_ = false;
   std::optional<std::int64_t> last_utime_;
   Status status_;
 };

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "geometry/se3.hpp"
+#include "priors/drift_model.hpp"
+#include "priors/robot_config.hpp"
 
 namespace rf {
 
@@ -24,25 +26,6 @@ struct TransformConfig {
   }
 };
 
-/// How fast a pose source drifts: the covariance of an increment d over dt is diagonal in the frame
-/// of the source's body, with standard deviations
-///   translation  hypot(sigma_v dt, sigma_v_per_m |t_d|),   rotation  hypot(sigma_w dt, ... |w_d|)
-/// on each axis.
-struct DriftModel {
-  double sigma_v = 0.06;
-  double sigma_w = 0.4;
-  double sigma_v_per_m = 0.0;
-  double sigma_w_per_rad = 0.0;
-
-  template <class V>
-  void visit(V& v) {
-    v("sigma_v", sigma_v, 1e-6, 100.0, "m/s", "translation drift per second, each axis");
-    v("sigma_w", sigma_w, 1e-6, 100.0, "rad/s", "rotation drift per second, each axis");
-    v("sigma_v_per_m", sigma_v_per_m, 0.0, 10.0, "-", "translation drift per metre travelled");
-    v("sigma_w_per_rad", sigma_w_per_rad, 0.0, 10.0, "-", "rotation drift per radian turned");
-  }
-};
-
 /// Parameters of the motion priors (paper section III; drift defaults from its experiments).
 struct PriorConfig {
   DriftModel camera;
@@ -51,6 +34,7 @@ struct PriorConfig {
   std::string object_frame = "world";
   double max_gap = 0.2;
   double max_extrapolation = 0.1;
+  RobotConfig robot;
 
   template <class V>
   void visit(V& v) {
@@ -63,14 +47,12 @@ struct PriorConfig {
     v("max_gap", max_gap, 1e-3, 60.0, "s", "longest gap between poses that is interpolated over");
     v("max_extrapolation", max_extrapolation, 0.0, 60.0, "s",
       "longest time beyond the poses at hand that is bridged with constant velocity");
+    v("robot", robot, "priors from odometry, joints and grasps of a robot (docs/ROBOT.md)");
   }
 };
 
 /// The transform with its quaternion normalised. Throws std::invalid_argument, naming `field`, when
 /// the quaternion is further than 1e-3 from unit length or a number is not finite.
 SE3 toTransform(const TransformConfig& config, const std::string& field);
-
-/// Covariance (right perturbation, translation first) of the increment `d` over `seconds`.
-Mat6 incrementCovariance(const DriftModel& model, const SE3& d, double seconds);
 
 }  // namespace rf
