@@ -11,6 +11,7 @@
 
 #include "config/yaml.hpp"
 #include "datasets/error.hpp"
+#include "kinematics/error.hpp"
 
 namespace rf {
 namespace {
@@ -223,6 +224,9 @@ int runService(const std::string& program, const std::function<int()>& body) {
     spdlog::error("{}", e.what());
     return kExitBadOptions;
   } catch (const std::invalid_argument& e) {
+    spdlog::error("{}", e.what());
+    return kExitBadOptions;
+  } catch (const KinematicsError& e) {
     spdlog::error("{}", e.what());
     return kExitBadOptions;
   } catch (const BusError& e) {

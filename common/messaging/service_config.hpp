@@ -7,9 +7,9 @@
 
 namespace rf {
 
-/// Defaults, then --config, then --set. Throws ConfigError naming file, field, value and rule.
-inline PipelineConfig serviceConfig(const ServiceOptions& options) {
-  PipelineConfig config;
+/// Defaults (or what is given for them), then --config, then --set. Throws ConfigError naming file,
+/// field, value and rule.
+inline PipelineConfig serviceConfig(const ServiceOptions& options, PipelineConfig config = {}) {
   if (!options.config.empty()) loadConfigFile(options.config, config);
   for (const std::string& assignment : options.set) overrideConfig(assignment, config);
   checkConfig(config, "configuration");

@@ -101,6 +101,12 @@ void stageTimes(Cursor& c) {
   c.array(stages, 8);
 }
 
+void joints(Cursor& c) {
+  const auto joints = c.count16("num_joints");
+  c.strings(joints);
+  c.array(joints, 3 * 4);
+}
+
 }  // namespace
 
 std::string layoutProblem(ByteView body, const bot_core::images_t*) {
@@ -111,6 +117,13 @@ std::string layoutProblem(ByteView body, const bot_core::images_t*) {
   // An empty image takes 32 bytes, so this bounds what the decoder allocates.
   if (c.good() && images > c.left() / 32) c.fail(fmt::format("{} images do not fit", images));
   for (std::size_t i = 0; i < images && c.good(); ++i) image(c);
+  return c.finish();
+}
+
+std::string layoutProblem(ByteView body, const bot_core::joint_state_t*) {
+  Cursor c(body);
+  c.skip(8);
+  joints(c);
   return c.finish();
 }
 
@@ -126,10 +139,24 @@ std::string layoutProblem(ByteView body, const bot_core::rigid_transform_t*) {
   return c.finish();
 }
 
+std::string layoutProblem(ByteView body, const bot_core::robot_state_t*) {
+  Cursor c(body);
+  c.skip(8 + kTransform + 6 * 8);
+  joints(c);
+  c.skip(24 * 4);
+  return c.finish();
+}
+
 std::string layoutProblem(ByteView body, const bot_core::system_status_t*) {
   Cursor c(body);
   c.skip(8 + 3);
   c.string();
+  return c.finish();
+}
+
+std::string layoutProblem(ByteView body, const pronto::update_t*) {
+  Cursor c(body);
+  c.skip(2 * 8 + kTransform + kCovariance + 1);
   return c.finish();
 }
 
@@ -165,6 +192,12 @@ std::string layoutProblem(ByteView body, const rigidfusion::frame_tick_t*) {
   return c.finish();
 }
 
+std::string layoutProblem(ByteView body, const rigidfusion::grasp_t*) {
+  Cursor c(body);
+  c.skip(8 + 1 + kTransform);
+  return c.finish();
+}
+
 std::string layoutProblem(ByteView body, const rigidfusion::model_chunk_t*) {
   Cursor c(body);
   c.skip(2 * 8 + 3 * 4 + 8);
@@ -185,6 +218,12 @@ std::string layoutProblem(ByteView body, const rigidfusion::motion_prior_t*) {
   Cursor c(body);
   c.skip(3 * 8 + 4 + 2 * kTransform + kCovariance + 2 * 4 + 2 * kTransform + kCovariance);
   c.array(c.count32("n_shapes"), 4 + 3 * 8 + kTransform);
+  return c.finish();
+}
+
+std::string layoutProblem(ByteView body, const rigidfusion::planar_twist_t*) {
+  Cursor c(body);
+  c.skip(4 * 8);
   return c.finish();
 }
 

@@ -2,18 +2,23 @@
 #pragma once
 
 #include <bot_core/images_t.hpp>
+#include <bot_core/joint_state_t.hpp>
 #include <bot_core/pose_t.hpp>
 #include <bot_core/rigid_transform_t.hpp>
+#include <bot_core/robot_state_t.hpp>
 #include <bot_core/system_status_t.hpp>
 #include <cstdint>
 #include <exception>
+#include <pronto/update_t.hpp>
 #include <rigidfusion/body_pose_t.hpp>
 #include <rigidfusion/camera_t.hpp>
 #include <rigidfusion/command_t.hpp>
 #include <rigidfusion/frame_tick_t.hpp>
+#include <rigidfusion/grasp_t.hpp>
 #include <rigidfusion/model_chunk_t.hpp>
 #include <rigidfusion/model_state_t.hpp>
 #include <rigidfusion/motion_prior_t.hpp>
+#include <rigidfusion/planar_twist_t.hpp>
 #include <rigidfusion/segmentation_t.hpp>
 #include <rigidfusion/service_status_t.hpp>
 #include <span>
@@ -32,16 +37,21 @@ using ByteView = std::span<const std::uint8_t>;
 /// counts they read, so this runs first. Empty when all is well, else what is wrong. One overload
 /// for each type that may be received; the argument is only a tag.
 std::string layoutProblem(ByteView body, const bot_core::images_t*);
+std::string layoutProblem(ByteView body, const bot_core::joint_state_t*);
 std::string layoutProblem(ByteView body, const bot_core::pose_t*);
 std::string layoutProblem(ByteView body, const bot_core::rigid_transform_t*);
+std::string layoutProblem(ByteView body, const bot_core::robot_state_t*);
 std::string layoutProblem(ByteView body, const bot_core::system_status_t*);
+std::string layoutProblem(ByteView body, const pronto::update_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::body_pose_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::camera_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::command_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::frame_tick_t*);
+std::string layoutProblem(ByteView body, const rigidfusion::grasp_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::model_chunk_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::model_state_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::motion_prior_t*);
+std::string layoutProblem(ByteView body, const rigidfusion::planar_twist_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::segmentation_t*);
 std::string layoutProblem(ByteView body, const rigidfusion::service_status_t*);
 

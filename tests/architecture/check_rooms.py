@@ -47,7 +47,7 @@ def check_includes(rows, common):
         for source in sorted((common / room).rglob("*.[ch]pp")):
             for name in INCLUDE.findall(source.read_text()):
                 first = name.split("/")[0]
-                if room not in KNOWS_LCM and re.match(r"(lcm|lcmtypes|rigidfusion|bot_core)$", first):
+                if room not in KNOWS_LCM and re.match(r"(lcm|lcmtypes|rigidfusion|bot_core|pronto)$", first):
                     yield f"{source}: includes {name}: only messaging may know LCM"
                 if first in order and order.index(first) > order.index(room):
                     yield f"{source}: includes {name} of the later room {first}"
