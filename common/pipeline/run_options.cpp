@@ -21,11 +21,20 @@ std::string missingFile(const char* option, const std::string& path) {
 
 }  // namespace
 
+std::string RunOptions::robotFolder() const {
+  if (robot == "none") return {};
+  if (!robot.empty()) return robot;
+  const std::filesystem::path candidate = std::filesystem::path(input) / "robot";
+  return std::filesystem::is_directory(candidate) ? candidate.string() : std::string();
+}
+
 std::string RunOptions::cameraPriorFile() const {
+  if (robotGivesCamera()) return {};
   return priorFile(camera_prior, input, "odometry.txt");
 }
 
 std::string RunOptions::objectPriorFile() const {
+  if (robotGivesObject()) return {};
   return priorFile(object_prior, input, "object_odometry.txt");
 }
 
@@ -43,8 +52,13 @@ std::string RunOptions::problem() const {
     if (!std::isfinite(d) || d < 0)
       return "--simulate-drift = " + std::to_string(d) + ": must be >= 0";
   }
+  if (!simulate_drift.empty() && robotGivesCamera()) {
+    return "--simulate-drift: drifts prior files, but " + robotFolder() +
+           " gives the camera's prior; give --camera-prior, or --robot none";
+  }
   for (const auto& [option, path] : {std::pair{"--camera-prior", camera_prior},
                                      {"--object-prior", object_prior},
+                                     {"--robot", robot},
                                      {"--calibration", calibration},
                                      {"--config", config}}) {
     if (std::string text = missingFile(option, path); !text.empty()) return text;

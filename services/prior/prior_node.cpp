@@ -34,7 +34,8 @@ PriorNode::PriorNode(Service& service, PriorStage stage, const PriorOptions& opt
     : service_(service),
       stage_(std::move(stage)),
       options_(options),
-      live_(!options.camera_channel.empty() || !options.object_channel.empty()),
+      live_(!options.camera_channel.empty() || !options.object_channel.empty() ||
+            options.robot_live),
       ticks_(service.listen(Side::kState, "RF_FRAME_TICK", 1024)) {
   if (!options.camera_channel.empty()) {
     camera_poses_ = service.listen(Side::kState, options.camera_channel, 4096);
@@ -44,10 +45,12 @@ PriorNode::PriorNode(Service& service, PriorStage stage, const PriorOptions& opt
     object_poses_ = service.listen(Side::kState, options.object_channel, 4096);
     stage_.expectObject();
   }
+  if (options.robot_live && stage_.robot() != nullptr) robot_feed_.emplace(service, options.robot);
 }
 
 bool PriorNode::step() {
   takePoses();
+  if (robot_feed_) robot_feed_->take(*stage_.robot());
   while (auto tick = service_.take<rigidfusion::frame_tick_t>(ticks_))
     takeTick(tick->first, tick->second);
   for (const Command& command : service_.commands()) {

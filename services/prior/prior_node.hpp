@@ -4,11 +4,13 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "messaging/service.hpp"
 #include "messaging/stream_order.hpp"
 #include "pipeline/prior_stage.hpp"
+#include "robot_feed.hpp"
 
 namespace rf {
 
@@ -16,7 +18,9 @@ struct PriorOptions {
   std::string
       camera_channel;  ///< live bot_core.pose_t of the body that carries the camera; empty: none
   std::string object_channel;  ///< live bot_core.pose_t of the object; empty: none
-  int wait_ms = 100;           ///< how long a frame waits for live poses beyond its time
+  bool robot_live = false;     ///< the stage's robot speaks on channels
+  RobotChannels robot;         ///< which; only looked at when it does
+  int wait_ms = 100;           ///< how long a frame waits for live samples beyond its time
 };
 
 /// Answers every frame tick with the motion prior of the frame pair; a repeated tick gets the same
@@ -47,6 +51,7 @@ class PriorNode {
   Inbox::Box ticks_;
   Inbox::Box camera_poses_ = 0;
   Inbox::Box object_poses_ = 0;
+  std::optional<RobotFeed> robot_feed_;
   StreamOrder order_;
   std::deque<Waiting> waiting_;
   std::map<std::int64_t, Bytes> answered_;  ///< by utime

@@ -7,6 +7,7 @@
 #include "messaging/log_file.hpp"
 #include "messaging/net_check.hpp"
 #include "pipeline_fixture.hpp"
+#include "robot_folder.hpp"
 
 namespace rf {
 namespace {
@@ -82,6 +83,41 @@ TEST_F(OfflineFault, NaNInAPoseNamesFileAndLine) {
   EXPECT_NE(out.code, 0);
   EXPECT_TRUE(says(out.said, "odometry.txt"));
   EXPECT_TRUE(says(out.said, "nan"));
+}
+
+TEST_F(OfflineFault, RobotFaultsAreNamedOrFlagged) {
+  const std::string robot = own("robot");
+  const std::vector<std::string> poses = linesOf(shared("cut/groundtruth.txt"));
+  writeRobotFolder(robot, poses);
+  const auto runRobot = [&] { return runOn(shared("cut"), {"--robot", robot}); };
+  // A joint that goes by another name: said, flagged, and every frame has its result.
+  std::string joints = contentOf(robot + "/joints.csv");
+  std::ofstream(robot + "/joints.csv") << "timestamp,Pan" << joints.substr(joints.find(",lift"));
+  OfflineRun out = runRobot();
+  EXPECT_EQ(out.code, 0) << out.said;
+  EXPECT_EQ(out.poses, static_cast<std::size_t>(kFrames));
+  EXPECT_TRUE(says(out.said, "joint 'pan' has no samples: camera priors are missing"));
+  // NaN in a file is named with its line.
+  std::ofstream(robot + "/joints.csv") << "timestamp,pan,lift\n1,nan,0\n";
+  out = runRobot();
+  EXPECT_EQ(out.code, 4);
+  EXPECT_TRUE(says(out.said, "joints.csv:2: pan = nan: must be finite"));
+  // Odometry that jumps: said, and the pipeline goes on.
+  writeRobotFolder(robot, poses);
+  std::ofstream(robot + "/odometry.txt", std::ios::app) << "1405031299.0 9 9 9 0 0 0 1\n"
+                                                        << "1405031299.1 99 9 9 0 0 0 1\n";
+  out = runRobot();
+  EXPECT_EQ(out.code, 0) << out.said;
+  EXPECT_TRUE(says(out.said, "odometry jumps by 90.000 m in 0.100 s (max_speed is 3 m/s)"));
+  // A URDF that is none, and a link that it does not have.
+  std::ofstream(robot + "/robot.urdf") << "<robot name='x'><link name='a'/>";
+  out = runRobot();
+  EXPECT_EQ(out.code, 2);
+  EXPECT_TRUE(says(out.said, "robot.urdf: not a usable URDF"));
+  writeRobotFolder(robot, poses);
+  out = runOn(shared("cut"), {"--robot", robot, "--set", "prior.robot.camera_link=head"});
+  EXPECT_EQ(out.code, 2);
+  EXPECT_TRUE(says(out.said, "link 'head': there is no such link"));
 }
 
 TEST_F(Fault, GarbageOnEveryChannelIsCountedAndTheResultUnchanged) {

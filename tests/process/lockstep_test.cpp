@@ -3,10 +3,13 @@
 #include "pipeline_fixture.hpp"
 
 #include <cstdlib>
+#include <map>
 #include <regex>
 
 #include "messaging/bus.hpp"
+#include "messaging/conversions.hpp"
 #include "messaging/log_file.hpp"
+#include "robot_folder.hpp"
 
 namespace rf {
 namespace {
@@ -14,6 +17,35 @@ namespace {
 using Lockstep = PipelineTest;
 
 TEST_F(Lockstep, FiveProcessesEqualOne) { expectSameAsOffline(shared("launched")); }
+
+TEST_F(Lockstep, FiveProcessesEqualOneWithARobot) {
+  const std::string robot = own("robot");
+  writeRobotFolder(robot, linesOf(shared("cut/groundtruth.txt")));
+  const std::vector<std::string> job = {"--input", shared("cut"), "--write-masks", "--robot",
+                                        robot};
+  auto offline = job, launched = job;
+  offline.insert(offline.end(), {"--output", own("offline")});
+  launched.insert(launched.end(), {"--output", own("launched"), "--port", "7713"});
+  ASSERT_EQ(run("rf-run", offline, own("rf-run.txt")), 0) << contentOf(own("rf-run.txt"));
+  ASSERT_EQ(run("rf-launch", launched, own("rf-launch.txt")), 0) << contentOf(own("rf-launch.txt"));
+  EXPECT_EQ(linesOf(own("offline/camera_prior.txt")).size(), static_cast<std::size_t>(kFrames));
+  expectSame(own("launched"), own("offline"));
+  std::map<std::int64_t, MotionPrior> priors;  // by time: one that was sent again is the same
+  LogReader reader(own("launched/recording.lcm"));
+  while (const auto event = reader.next()) {
+    if (event->channel != "RF_MOTION_PRIOR") continue;
+    const auto prior = unpack<rigidfusion::motion_prior_t>(event->data);
+    ASSERT_TRUE(prior) << prior.error;
+    priors[prior->utime_b] = *prior;
+  }
+  EXPECT_EQ(priors.size(), static_cast<std::size_t>(kFrames));
+  for (const auto& [utime, prior] : priors) {
+    EXPECT_EQ(prior.camera, PriorState::kValid);
+    EXPECT_EQ(prior.object_kind, ObjectPriorKind::kCameraFrame);
+    EXPECT_EQ(prior.object, PriorState::kValid);
+    EXPECT_EQ(prior.self.size(), 1U);
+  }
+}
 
 TEST_F(Lockstep, ReplayEqualsOne) {
   EXPECT_EQ(replay(shared("launched/recording.lcm")), 0) << contentOf(own("rf-replay.txt"));

@@ -117,8 +117,7 @@ int PipelineTest::replay(const std::string& log, const std::vector<std::string>&
   return code;
 }
 
-void PipelineTest::expectSameAsOffline(const std::string& result) {
-  const std::string offline = shared("offline");
+void PipelineTest::expectSame(const std::string& result, const std::string& offline) {
   EXPECT_EQ(linesOf(offline + "/camera.txt").size(), static_cast<std::size_t>(kFrames));
   EXPECT_EQ(contentOf(result + "/camera.txt"), contentOf(offline + "/camera.txt"));
   EXPECT_EQ(contentOf(result + "/object.txt"), contentOf(offline + "/object.txt"));

@@ -49,10 +49,15 @@ class PipelineTest : public testing::Test {
   /// code.
   int replay(const std::string& log, const std::vector<std::string>& more = {});
   /// camera.txt, object.txt and every mask equal those of rf-run.
-  static void expectSameAsOffline(const std::string& result);
+  static void expectSameAsOffline(const std::string& result) {
+    expectSame(result, shared("offline"));
+  }
+  /// The same of two result folders of the cut.
+  static void expectSame(const std::string& result, const std::string& offline);
+
+  static std::filesystem::path folder_;
 
  private:
-  static std::filesystem::path folder_;
   std::vector<std::unique_ptr<Child>> services_;
 };
 

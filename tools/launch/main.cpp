@@ -107,7 +107,10 @@ std::string losses(const rf::Watch& watch) {
 }
 
 int launch(const rf::LaunchOptions& options) {
-  rf::effectiveConfig(options.run);  // a bad configuration shows before anything starts
+  // A bad configuration or robot shows before anything starts.
+  const rf::PipelineConfig config = rf::effectiveConfig(options.run);
+  std::vector<std::string> remarks;
+  rf::makePriorStage(config.prior, options.run, remarks);
   const std::size_t total = rf::openSource(options.run)->size();
   const auto network = rf::checkNetwork();
   if (!network.problems.empty()) fmt::print(stderr, "{}", network.text());

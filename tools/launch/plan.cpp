@@ -27,6 +27,11 @@ PlannedChild prior(const LaunchOptions& options) {
   Arguments& a = child.arguments;
   if (const auto file = options.run.cameraPriorFile(); !file.empty()) add(a, {"--camera", file});
   if (const auto file = options.run.objectPriorFile(); !file.empty()) add(a, {"--object", file});
+  if (const auto folder = options.run.robotFolder(); !folder.empty()) {
+    add(a, {"--robot", folder});
+    if (!options.run.robotGivesCamera()) a.push_back("--robot-no-camera");
+    if (!options.run.robotGivesObject()) a.push_back("--robot-no-object");
+  }
   if (!options.run.simulate_drift.empty()) {
     add(a, {"--simulate-drift", fmt::format("{}", fmt::join(options.run.simulate_drift, ",")),
             "--drift-seed", std::to_string(options.run.drift_seed)});

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/yaml.hpp"
+#include "datasets/robot_folder.hpp"
 #include "datasets/trajectory.hpp"
 #include "datasets/tum_source.hpp"
 #include "messaging/log_source.hpp"
@@ -20,10 +21,21 @@ Trajectory drifted(const Trajectory& truth, const RunOptions& options, DriftStre
                            options.drift_seed, stream});
 }
 
+/// The camera's pose by the robot at each sample of its odometry.
+void saveRobotPrior(const RunOptions& options) {
+  const RobotPrior robot = readRobot(options.robotFolder(), effectiveConfig(options).prior).robot;
+  TrajectoryWriter writer(options.output + "/camera_prior.txt", "timestamp tx ty tz qx qy qz qw");
+  for (const std::int64_t utime : robot.odometry().times()) {
+    if (const auto T_WC = robot.cameraPose(utime)) writer.add(utime, *T_WC);
+  }
+}
+
 }  // namespace
 
 PipelineConfig effectiveConfig(const RunOptions& options) {
   PipelineConfig config;
+  if (const std::string folder = options.robotFolder(); !folder.empty())
+    loadRobotConfig(folder, config.prior);
   if (!options.config.empty()) loadConfigFile(options.config, config);
   if (!options.mode.empty()) overrideConfig("segmentation.mode=" + options.mode, config);
   for (const std::string& assignment : options.set) overrideConfig(assignment, config);
@@ -31,13 +43,20 @@ PipelineConfig effectiveConfig(const RunOptions& options) {
   return config;
 }
 
-PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options) {
+PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options,
+                          std::vector<std::string>& remarks) {
   PriorStage stage(config);
   if (const std::string file = options.cameraPriorFile(); !file.empty()) {
     stage.addCameraPoses(drifted(readTrajectory(file), options, DriftStream::kCamera));
   }
   if (const std::string file = options.objectPriorFile(); !file.empty()) {
     stage.addObjectPoses(drifted(readTrajectory(file), options, DriftStream::kObject));
+  }
+  if (const std::string folder = options.robotFolder(); !folder.empty()) {
+    RobotRecording recording = readRobot(folder, config);
+    stage.useRobot(std::move(recording.robot), options.robotGivesCamera(),
+                   options.robotGivesObject());
+    remarks = std::move(recording.remarks);
   }
   return stage;
 }
@@ -51,6 +70,7 @@ void savePriors(const RunOptions& options) {
     }
   };
   save(options.cameraPriorFile(), DriftStream::kCamera, "camera_prior.txt");
+  if (options.robotGivesCamera()) saveRobotPrior(options);
   save(options.objectPriorFile(), DriftStream::kObject, "object_prior.txt");
 }
 

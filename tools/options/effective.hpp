@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "pipeline/pipeline_config.hpp"
 #include "pipeline/prior_stage.hpp"
@@ -10,11 +12,14 @@
 
 namespace rf {
 
-/// Defaults, then --config, then --mode, then --set. Throws ConfigError.
+/// Defaults, then robot.yaml of the robot folder, then --config, --mode and --set. Throws
+/// ConfigError.
 PipelineConfig effectiveConfig(const RunOptions& options);
 
-/// The prior stage with the trajectories in force, drifted when asked. Throws DatasetError.
-PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options);
+/// The prior stage with the trajectories in force, drifted when asked, and the robot. What is to be
+/// said of the robot's samples goes to `remarks`. Throws DatasetError, KinematicsError.
+PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options,
+                          std::vector<std::string>& remarks);
 
 /// Writes the trajectories in force, drifted when asked, as camera_prior.txt and object_prior.txt
 /// into the result folder, where rf-evaluate looks for them. Throws DatasetError.

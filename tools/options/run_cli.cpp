@@ -17,6 +17,9 @@ void addRunOptions(CLI::App& app, RunOptions& options) {
   app.add_option("--object-prior", options.object_prior,
                  "object poses T_WO (TUM text) or 'none'; default: object_odometry.txt of the "
                  "input if present");
+  app.add_option("--robot", options.robot,
+                 "robot folder (URDF, odometry, joints, grasps) as source of the priors that no "
+                 "option names, or 'none'; default: robot/ of the input if present");
   app.add_option("--calibration", options.calibration,
                  "camera.yaml; default: that of the input folder");
   app.add_option("--simulate-drift", options.simulate_drift,

@@ -3,6 +3,8 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -11,6 +13,7 @@
 #include "datasets/result_writer.hpp"
 #include "datasets/trajectory.hpp"
 #include "geometry/parallel.hpp"
+#include "kinematics/error.hpp"
 #include "options/effective.hpp"
 #include "options/run_cli.hpp"
 #include "pipeline/offline.hpp"
@@ -35,7 +38,10 @@ int run(const rf::RunOptions& options) {
   rf::setThreads(options.threads);
   const rf::PipelineConfig config = rf::effectiveConfig(options);
   const std::unique_ptr<rf::FrameSource> source = rf::openSource(options);
-  rf::OfflinePipeline pipeline(config, source->camera(), rf::makePriorStage(config.prior, options));
+  std::vector<std::string> remarks;
+  rf::OfflinePipeline pipeline(config, source->camera(),
+                               rf::makePriorStage(config.prior, options, remarks));
+  for (const std::string& remark : remarks) fmt::print(stderr, "rf-run: {}\n", remark);
   rf::ResultWriter writer(options.output, source->camera(),
                           {options.write_masks, rf::writeConfig(config)});
   std::size_t done = 0;
@@ -84,6 +90,9 @@ int main(int argc, char** argv) {
   try {
     return run(options);
   } catch (const rf::ConfigError& error) {
+    fmt::print(stderr, "rf-run: {}\n", error.what());
+    return kExitBadConfig;
+  } catch (const rf::KinematicsError& error) {
     fmt::print(stderr, "rf-run: {}\n", error.what());
     return kExitBadConfig;
   } catch (const std::exception& error) {
