@@ -67,6 +67,12 @@ void buildStack(World& world, int body, const StackSize& size, std::uint64_t see
   }
 }
 
+void buildCarton(World& world, int body, const Vec3& half, std::uint64_t seed) {
+  Builder b(world, seed, 0xCA2700ULL + static_cast<std::uint64_t>(body));
+  b.place(body, SE3());
+  carton(b, Vec3::Zero(), half, 0);
+}
+
 void buildHeldCarton(World& world, int body, std::uint64_t seed) {
   Builder b(world, seed, 0xCA270000ULL + static_cast<std::uint64_t>(body));
   b.place(body, SE3());

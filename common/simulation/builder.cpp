@@ -60,6 +60,12 @@ Primitive& Builder::add(ShapeKind kind, const SE3& T_FP, const Vec3& half, int m
   return world_.primitives.back();
 }
 
+Primitive& Builder::solid(ShapeKind kind, int body, const SE3& T_BP, const Vec3& half,
+                          int material) {
+  place(body, SE3());
+  return add(kind, T_BP, half, material);
+}
+
 Primitive& Builder::box(const Vec3& centre, const Vec3& half, int material, double yaw) {
   return add(ShapeKind::kBox, turned(centre, yaw), half, material);
 }

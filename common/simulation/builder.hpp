@@ -31,6 +31,8 @@ class Builder {
   Primitive& box(const Vec3& centre, const Vec3& half, int material, double yaw = 0);
   Primitive& cylinder(const Vec3& centre, double radius, double half_height, int material);
   Primitive& ellipsoid(const Vec3& centre, const Vec3& half, int material, double yaw = 0);
+  /// Any solid, its frame given in a body's frame.
+  Primitive& solid(ShapeKind kind, int body, const SE3& T_BP, const Vec3& half, int material);
   /// A cylinder from a to b.
   Primitive& rod(const Vec3& a, const Vec3& b, double radius, int material);
 
@@ -73,6 +75,9 @@ struct StackSize {
 
 /// A stack of printed cartons on a carrier, as body `body`.
 void buildStack(World& world, int body, const StackSize& size, std::uint64_t seed);
+
+/// A printed carton as body `body`, its frame in the middle.
+void buildCarton(World& world, int body, const Vec3& half, std::uint64_t seed);
 
 /// A carton held by a hand at the end of a forearm, as body `body`; the body's frame sits in the
 /// carton's middle, the arm comes from -z.

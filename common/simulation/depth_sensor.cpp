@@ -107,6 +107,11 @@ float quantised(float z) {
   return kFocalBaseline / (std::max(1.0F, std::round(disparity / step)) * step);
 }
 
+std::uint8_t maskOf(int body, int first_robot_body) {
+  if (body == 0) return 1;
+  return body < first_robot_body ? 2 : 3;
+}
+
 }  // namespace
 
 double depthSigma(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
@@ -141,7 +146,7 @@ DepthOutput senseDepth(const DepthInput& in, const Camera& camera, std::uint64_t
       if (measured < kNearest || measured > kFarthest) continue;
       out.depth(u, v) =
           static_cast<std::uint16_t>(std::lround(measured * static_cast<float>(kDepthFactor)));
-      out.mask(u, v) = in.body(su, sv) > 0 ? 2 : 1;
+      out.mask(u, v) = maskOf(in.body(su, sv), in.first_robot_body);
     }
   });
   return out;

@@ -13,15 +13,16 @@ inline constexpr double kDepthFactor = 5000.0;
 
 /// What the infrared camera looks at, per pixel.
 struct DepthInput {
-  Image<float> z;            ///< true metres along the optical axis, 0 = nothing
-  Image<float> cosine;       ///< between the ray and the surface's normal, 0..1
-  Image<float> infrared;     ///< reflectivity, 0..1
-  Image<std::uint8_t> body;  ///< 0 the static world, 1.. moving bodies
+  Image<float> z;              ///< true metres along the optical axis, 0 = nothing
+  Image<float> cosine;         ///< between the ray and the surface's normal, 0..1
+  Image<float> infrared;       ///< reflectivity, 0..1
+  Image<std::uint8_t> body;    ///< 0 the static world, 1.. moving bodies
+  int first_robot_body = 256;  ///< bodies from here on are links of the robot
 };
 
 struct DepthOutput {
   Image<std::uint16_t> depth;  ///< kDepthFactor units per metre, 0 = no measurement
-  Image<std::uint8_t> mask;    ///< 0 no depth, 1 static world, 2 moving body
+  Image<std::uint8_t> mask;    ///< 0 no depth, 1 static world, 2 moving body, 3 robot
 };
 
 /// Structured-light depth sensor of the Asus Xtion kind; constants and their sources stand in

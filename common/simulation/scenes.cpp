@@ -6,6 +6,8 @@
 #include <string>
 
 #include "simulation/builder.hpp"
+#include "simulation/carry_scenes.hpp"
+#include "simulation/manipulator.hpp"
 #include "simulation/motion.hpp"
 #include "simulation/world.hpp"
 
@@ -259,6 +261,12 @@ const std::vector<SceneInfo>& scenes() {
                      "a broad stack passes close by, about " + std::to_string(share) +
                          " % of the valid pixels"});
     }
+    for (const auto& [name, summary] :
+         {std::pair{"carry_omni", "a robot drives sideways and turns, its arm waves a carton"},
+          {"carry_diff", "a robot on two wheels grasps a carton, lifts it and drives a curve"},
+          {"carry_head", "a robot carries a carton and looks about with its pan-tilt head"}}) {
+      out.push_back({name, 450, summary});
+    }
     return out;
   }();
   return kScenes;
@@ -293,8 +301,13 @@ World buildWorld(const std::string& scene, std::uint64_t seed) {
   if (scene == "two_objects") twoObjects(world, seed);
   if (scene == "leave") leave(world, seed);
   if (scene == "behind") behind(world, seed);
+  buildCarryScene(world, scene, seed);
   if (scene.starts_with("size0")) sizeSweep(world, seed, std::stod(scene.substr(5)) / 100.0);
   return world;
+}
+
+int firstRobotBody(const World& world) {
+  return world.robot ? world.robot->first_body : world.bodies;
 }
 
 std::vector<SE3> bodyPoses(const World& world, double seconds) {

@@ -54,9 +54,9 @@ SimulatedFrame Simulator::frame(int k) const {
   const Raycaster caster(world_, out.T_WB, out.T_WC);
   const SurfaceImage surface = caster.castAll();
   Shaded shaded = shade(world_, lamps_, baked_, caster, surface, out.T_WB, out.T_WC);
-  DepthOutput depth = senseDepth(
-      {surface.z, std::move(shaded.cosine), std::move(shaded.infrared), std::move(shaded.body)},
-      world_.camera, scramble(key, 1), noise_);
+  DepthOutput depth = senseDepth({surface.z, std::move(shaded.cosine), std::move(shaded.infrared),
+                                  std::move(shaded.body), firstRobotBody(world_)},
+                                 world_.camera, scramble(key, 1), noise_);
   out.depth = std::move(depth.depth);
   out.mask = std::move(depth.mask);
   const Image<Eigen::Vector2f> flow = shutterFlow(world_, surface, bodiesInCamera(world_, seconds),

@@ -17,7 +17,7 @@ struct SimulatedFrame {
   std::int64_t utime = 0;  ///< microseconds; colour and depth are taken together
   Image<Rgb> colour;
   Image<std::uint16_t> depth;  ///< kDepthFactor units per metre, 0 = no measurement
-  Image<std::uint8_t> mask;    ///< 0 no depth, 1 static world, 2 moving body (also at rest)
+  Image<std::uint8_t> mask;    ///< 0 no depth, 1 static, 2 moving body (also at rest), 3 robot
   SE3 T_WC;
   std::vector<SE3> T_WB;        ///< of every body, the static world's identity first
   Image<float> true_z;          ///< metres, without noise

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "simulation/texture.hpp"
 
 namespace rf::sim {
+
+struct Manipulator;
 
 /// How a surface looks, to the eye and to the infrared depth sensor.
 struct Material {
@@ -43,6 +46,7 @@ struct World {
   std::vector<Lamp> lamps;
   std::function<SE3(double)> camera_at;             ///< T_WC at a time in seconds
   std::vector<std::function<SE3(double)>> body_at;  ///< T_WB of bodies 1.., index body - 1
+  std::shared_ptr<const Manipulator> robot;         ///< what carries camera and body 1, or null
 };
 
 inline constexpr double kFrameRate = 30.0;
@@ -59,6 +63,9 @@ const std::vector<SceneInfo>& scenes();
 /// Builds a scene. The seed changes decor, textures and layout, not the choreography. Throws
 /// std::invalid_argument for an unknown name, listing the known ones.
 World buildWorld(const std::string& scene, std::uint64_t seed);
+
+/// The first body that is a link of the world's robot; `bodies` when it has none.
+int firstRobotBody(const World& world);
 
 /// T_WB of every body at a time; the first is the static world's identity.
 std::vector<SE3> bodyPoses(const World& world, double seconds);

@@ -101,7 +101,7 @@ void printScenes() {
 
 /// Removes what an earlier run wrote; nothing else in the folder is touched.
 void removeSequence(const fs::path& folder) {
-  for (const char* sub : {"rgb", "depth", "mask"}) fs::remove_all(folder / sub);
+  for (const char* sub : {"rgb", "depth", "mask", "robot"}) fs::remove_all(folder / sub);
   for (const char* file :
        {"rgb.txt", "depth.txt", "camera.yaml", "groundtruth.txt", "object_groundtruth.txt",
         "object2_groundtruth.txt", "odometry.txt", "object_odometry.txt", "object_motion.txt",

@@ -2,12 +2,14 @@
 #include "sequence_writer.hpp"
 
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+
+#include "robot_writer.hpp"
+#include "text_files.hpp"
 
 namespace rf {
 namespace {
@@ -18,17 +20,6 @@ constexpr double kStaticSpacing = 0.01;
 constexpr double kBodySpacing = 0.005;
 constexpr int kSurfaceStride = 5;     // every fifth frame is asked what it shows
 constexpr int kSurfaceMinFrames = 3;  // and so many of those must show a point
-
-std::string stamp(std::int64_t utime) {
-  return fmt::format("{}.{:06d}", utime / 1'000'000, utime % 1'000'000);
-}
-
-void writeText(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file.string() + ": cannot be written");
-}
 
 void writeImage(const fs::path& file, const cv::Mat& image) {
   const std::vector<int> fast = {cv::IMWRITE_PNG_COMPRESSION, 1};
@@ -57,11 +48,6 @@ cv::Mat single(const Image<T>& image, int type) {
   cv::Mat mat(image.height(), image.width(), type);
   std::memcpy(mat.data, image.data(), image.size() * sizeof(T));
   return mat;
-}
-
-std::string tumLine(std::int64_t utime, const SE3& T) {
-  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", stamp(utime), T.t.x(),
-                     T.t.y(), T.t.z(), T.q.x(), T.q.y(), T.q.z(), T.q.w());
 }
 
 std::string trajectoryText(const char* what, const std::vector<DriftPose>& poses) {
@@ -98,7 +84,7 @@ SequenceWriter::SequenceWriter(fs::path folder, const sim::World& world, Sequenc
 }
 
 void SequenceWriter::add(const sim::SimulatedFrame& frame) {
-  const std::string name = stamp(frame.utime) + ".png";
+  const std::string name = stampText(frame.utime) + ".png";
   writeImage(folder_ / "rgb" / name, bgr(frame.colour));
   writeImage(folder_ / "depth" / name, single(frame.depth, CV_16UC1));
   writeImage(folder_ / "mask" / name, single(frame.mask, CV_8UC1));
@@ -119,6 +105,7 @@ void SequenceWriter::finish() {
   writePoses();
   writePriors();
   writeSurfaces();
+  if (world_.robot) writeRobot(folder_ / "robot", world_, options_.drift_seed);
 }
 
 void SequenceWriter::writeLists() const {
@@ -126,7 +113,7 @@ void SequenceWriter::writeLists() const {
   std::string depth = "# depth maps\n# timestamp filename\n";
   std::string motion = "# timestamp object_speed_m_per_s object_share_of_valid valid_share\n";
   for (const Entry& e : entries_) {
-    const std::string s = stamp(e.utime);
+    const std::string s = stampText(e.utime);
     rgb += fmt::format("{0} rgb/{0}.png\n", s);
     depth += fmt::format("{0} depth/{0}.png\n", s);
     motion +=
@@ -145,7 +132,7 @@ void SequenceWriter::writePoses() const {
   std::vector<DriftPose> camera;
   for (const Entry& e : entries_) camera.emplace_back(e.utime, e.T_WC);
   writeText(folder_ / "groundtruth.txt", trajectoryText("true T_WC of the camera", camera));
-  for (int body = 1; body < world_.bodies; ++body) {
+  for (int body = 1; body < sim::firstRobotBody(world_); ++body) {
     std::vector<DriftPose> poses;
     for (const Entry& e : entries_) {
       poses.emplace_back(e.utime, e.T_WB[static_cast<std::size_t>(body)]);
@@ -157,6 +144,7 @@ void SequenceWriter::writePoses() const {
 }
 
 void SequenceWriter::writePriors() const {
+  if (world_.robot) return;  // the robot's own recordings are the priors
   std::vector<DriftPose> camera;
   std::vector<DriftPose> object;
   for (const Entry& e : entries_) {
