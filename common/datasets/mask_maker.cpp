@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "values/segmentation_result.hpp"
+
 namespace rf {
 namespace {
 
@@ -45,17 +47,25 @@ void MaskMaker::prepare(int width, int height, int reduction) {
 }
 
 Image<std::uint8_t> MaskMaker::make(const Image<std::uint16_t>& depth_mm,
-                                    const Image<std::uint8_t>& score, int reduction) {
+                                    const Image<std::uint8_t>& score,
+                                    const Image<std::uint8_t>& label, int reduction) {
   if (depth_mm.width() != camera_.width || depth_mm.height() != camera_.height) {
     throw std::invalid_argument(fmt::format("depth image of {}x{} is not of the camera's {}x{}",
                                             depth_mm.width(), depth_mm.height(), camera_.width,
                                             camera_.height));
   }
+  if (!label.empty() && (label.width() != score.width() || label.height() != score.height())) {
+    throw std::invalid_argument(fmt::format("labels of {}x{} do not belong to scores of {}x{}",
+                                            label.width(), label.height(), score.width(),
+                                            score.height()));
+  }
   prepare(score.width(), score.height(), reduction);
   Image<std::uint8_t> mask(depth_mm.width(), depth_mm.height(), kMaskNoDepth);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (depth_mm[i] == 0) continue;
-    mask[i] = score[score_index_[i]] < kHalfScore ? kMaskDynamic : kMaskStatic;
+    const std::uint32_t at = score_index_[i];
+    mask[i] = score[at] < kHalfScore ? kMaskDynamic : kMaskStatic;
+    if (!label.empty() && label[at] == kSelfLabel) mask[i] = kMaskSelf;
   }
   return mask;
 }

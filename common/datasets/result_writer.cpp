@@ -49,6 +49,15 @@ const std::string& prepared(const std::string& folder, bool write_masks) {
 
 bool isKnown(Health health) { return health != Health::kLost && health != Health::kInvalid; }
 
+/// Where the prior's sources alone put the object. A camera-kind pose needs that of the camera.
+std::optional<SE3> objectInWorld(const MotionPrior& prior) {
+  if (prior.object == PriorState::kMissing) return std::nullopt;
+  if (prior.object_kind == ObjectPriorKind::kWorldFrame) return prior.T_XOb;
+  if (prior.object_kind != ObjectPriorKind::kCameraFrame) return std::nullopt;
+  if (prior.camera == PriorState::kMissing) return std::nullopt;
+  return prior.T_WCb * prior.T_XOb;
+}
+
 }  // namespace
 
 ResultWriter::ResultWriter(const std::string& folder, const Camera& camera, const Options& options)
@@ -77,7 +86,8 @@ void ResultWriter::add(const RgbdFrame& frame, const SegmentationResult& segment
   if (write_masks_) {
     const std::string file = formatTimestamp(frame.utime) + ".png";
     writeGreyImage((fs::path(folder_) / "masks" / file).string(),
-                   mask_maker_.make(frame.depth_mm, segmentation.score, segmentation.reduction));
+                   mask_maker_.make(frame.depth_mm, segmentation.score, segmentation.label,
+                                    segmentation.reduction));
   }
   frames_.add(segmentation, state);
   covariances_.add(state);
@@ -89,9 +99,9 @@ void ResultWriter::addPrior(const MotionPrior& prior) {
     if (!camera_prior_) camera_prior_.emplace(in(folder_, "camera_prior.txt"), "prior T_WC");
     camera_prior_->add(prior.utime_b, prior.T_WCb);
   }
-  if (prior.object != PriorState::kMissing && prior.object_kind == ObjectPriorKind::kWorldFrame) {
+  if (const std::optional<SE3> T_WO = objectInWorld(prior)) {
     if (!object_prior_) object_prior_.emplace(in(folder_, "object_prior.txt"), "prior T_WO");
-    object_prior_->add(prior.utime_b, prior.T_XOb);
+    object_prior_->add(prior.utime_b, *T_WO);
   }
 }
 

@@ -36,8 +36,8 @@ class ResultWriter {
   void add(const RgbdFrame& frame, const SegmentationResult& segmentation, const ModelState& state);
 
   /// Keeps the prior that was used, as the source gave it: camera_prior.txt (T_WC) and
-  /// object_prior.txt (T_WO, world kind), so that results can be compared with it. The files appear
-  /// with the first prior that is not missing.
+  /// object_prior.txt (T_WO; of the camera kind T_WC T_CO, what the kinematics alone say), so that
+  /// results can be compared with it. The files appear with the first prior that is not missing.
   void addPrior(const MotionPrior& prior);
 
   /// An input frame without a result (unreadable image, dropped message): a row in frames.csv.

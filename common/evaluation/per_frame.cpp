@@ -91,7 +91,7 @@ std::vector<FrameScore> scoreFrames(const std::vector<std::int64_t>& frames,
 
 double dynamicShare(const Image<std::uint8_t>& truth) {
   const auto known = std::count_if(truth.begin(), truth.end(), [](auto v) { return v != 0; });
-  const auto dynamic = std::count_if(truth.begin(), truth.end(), [](auto v) { return v > 1; });
+  const auto dynamic = std::count_if(truth.begin(), truth.end(), [](auto v) { return v == 2; });
   return known == 0 ? 0.0 : static_cast<double>(dynamic) / static_cast<double>(known);
 }
 

@@ -43,8 +43,8 @@ std::vector<FrameScore> scoreFrames(const std::vector<std::int64_t>& frames,
                                     const AlignedTrajectory& camera,
                                     const AlignedTrajectory& object, double rest_speed);
 
-/// Share of the dynamic class among the known pixels of a true mask (0 unknown, 1 static, from 2 on
-/// dynamic); 0 when none is known.
+/// Share of the dynamic class among the known pixels of a true mask (0 unknown, 1 static, 2
+/// dynamic, 3 the robot itself); 0 when none is known.
 double dynamicShare(const Image<std::uint8_t>& truth);
 
 /// CSV with a header row: timestamp (s), then the members in order with the unit in the name; an

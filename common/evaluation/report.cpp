@@ -89,6 +89,14 @@ std::string json(const std::optional<ModelScore>& s) {
       s->accuracy_share, s->completeness);
 }
 
+std::string jsonSelf(const std::optional<PixelCounts>& s) {
+  if (!s) return "null";
+  return fmt::format(R"({{"recall": {:.6f}, "precision": {:.6f}, "right": {}, "missed": {}, )"
+                     R"("wrong": {}}})",
+                     s->selfRecall(), s->selfPrecision(), s->self_right, s->self_missed,
+                     s->self_wrong);
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -126,6 +134,11 @@ std::string toText(const EvaluationReport& r) {
     text += row(fmt::format("object > {:.1f} cm/s", kCm * r.speed_threshold), r.fast);
     text += row(std::string("object moves"), r.moving);
   }
+  if (r.self) {
+    text += fmt::format("\n{:<19} {:>8} {:>10}\n{:<19} {:>8.3f} {:>10.3f}\n", "robot's own pixels",
+                        "recall", "precision", "self-filter", r.self->selfRecall(),
+                        r.self->selfPrecision());
+  }
   if (r.static_model || r.object_model) {
     text += fmt::format("\n{:<13} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "model", "surfels", "median cm",
                         "rmse cm", "< 2cm %", "compl. %");
@@ -147,8 +160,8 @@ std::string toJson(const EvaluationReport& r) {
          entry("object_prior", json(r.object_prior)) +
          entry("speed_threshold_m_per_s", fmt::format("{}", r.speed_threshold)) +
          entry("segmentation_fast", json(r.fast)) + entry("segmentation_moving", json(r.moving)) +
-         entry("static_model", json(r.static_model)) + entry("object_model", json(r.object_model)) +
-         "  \"notes\": [" + notes + "]\n}\n";
+         entry("self_filter", jsonSelf(r.self)) + entry("static_model", json(r.static_model)) +
+         entry("object_model", json(r.object_model)) + "  \"notes\": [" + notes + "]\n}\n";
 }
 
 }  // namespace rf

@@ -25,6 +25,7 @@ struct EvaluationReport {
   double speed_threshold = 0.03;            ///< m/s
   std::optional<SegmentationScore> fast;    ///< frames with the object above the threshold
   std::optional<SegmentationScore> moving;  ///< frames in which it moves at all
+  std::optional<PixelCounts> self;          ///< of all frames, when truth knows the robot's pixels
   std::optional<ModelScore> static_model;
   std::optional<ModelScore> object_model;
   std::vector<std::string> notes;

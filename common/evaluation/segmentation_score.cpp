@@ -12,9 +12,25 @@ namespace {
 
 constexpr std::uint8_t kUnknown = 0;
 constexpr std::uint8_t kStatic = 1;
+constexpr std::uint8_t kDynamic = 2;
+constexpr std::uint8_t kSelf = 3;
 
 double share(std::int64_t part, std::int64_t whole) {
   return whole == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void countPixel(std::uint8_t truth, std::uint8_t found, PixelCounts& c) {
+  if (truth == kUnknown || found == kUnknown) return;
+  if (truth == kSelf) {
+    (found == kSelf ? c.self_right : c.self_missed) += 1;
+    return;
+  }
+  if (found == kSelf) c.self_wrong += 1;
+  if (truth == kStatic) {
+    if (found != kSelf) (found == kStatic ? c.static_right : c.static_wrong) += 1;
+    return;
+  }
+  (found == kDynamic ? c.dynamic_right : c.dynamic_wrong) += 1;
 }
 
 }  // namespace
@@ -24,6 +40,9 @@ PixelCounts& PixelCounts::operator+=(const PixelCounts& o) {
   static_wrong += o.static_wrong;
   dynamic_right += o.dynamic_right;
   dynamic_wrong += o.dynamic_wrong;
+  self_right += o.self_right;
+  self_missed += o.self_missed;
+  self_wrong += o.self_wrong;
   return *this;
 }
 
@@ -37,6 +56,9 @@ double PixelCounts::dynamicAccuracy() const {
   return share(dynamic_right, dynamic_right + dynamic_wrong);
 }
 
+double PixelCounts::selfRecall() const { return share(self_right, self_right + self_missed); }
+double PixelCounts::selfPrecision() const { return share(self_right, self_right + self_wrong); }
+
 PixelCounts countPixels(const Image<std::uint8_t>& truth, const Image<std::uint8_t>& found) {
   if (truth.width() != found.width() || truth.height() != found.height()) {
     throw std::invalid_argument(fmt::format("masks of {}x{} and {}x{} cannot be compared",
@@ -44,20 +66,14 @@ PixelCounts countPixels(const Image<std::uint8_t>& truth, const Image<std::uint8
                                             found.height()));
   }
   PixelCounts c;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (truth[i] == kUnknown || found[i] == kUnknown) continue;
-    const bool is_static = truth[i] == kStatic;
-    const bool right = is_static == (found[i] == kStatic);
-    (is_static ? (right ? c.static_right : c.static_wrong)
-               : (right ? c.dynamic_right : c.dynamic_wrong)) += 1;
-  }
+  for (std::size_t i = 0; i < truth.size(); ++i) countPixel(truth[i], found[i], c);
   return c;
 }
 
 PixelCounts countMissing(const Image<std::uint8_t>& truth) {
   PixelCounts c;
-  c.dynamic_wrong =
-      std::count_if(truth.begin(), truth.end(), [](std::uint8_t value) { return value > kStatic; });
+  c.dynamic_wrong = std::count(truth.begin(), truth.end(), kDynamic);
+  c.self_missed = std::count(truth.begin(), truth.end(), kSelf);
   return c;
 }
 

@@ -69,11 +69,11 @@ void checkValue(Check& check, const SegmentationResult& s) {
   if (s.has_prior_T_WC) check.transform("prior_T_WC", s.prior_T_WC);
   if (s.has_T_CO) check.transform("T_CO", s.T_CO);
   check.stageTimes(s.stage_ms);
-  check.rule(s.gamma.size() <= 255,
-             fmt::format("{} clusters, at most 255 are allowed", s.gamma.size()));
+  check.rule(s.gamma.size() <= kMaxClusters,
+             fmt::format("{} clusters, at most {} are allowed", s.gamma.size(), kMaxClusters));
   for (const float g : s.gamma) check.range("gamma", g, 0, 1);
   for (const std::uint8_t label : s.label) {
-    if (label != kNoCluster && label >= s.gamma.size()) {
+    if (label < kMaxClusters && label >= s.gamma.size()) {
       check.rule(false, fmt::format("a pixel has label {}, but there are {} clusters", label,
                                     s.gamma.size()));
       break;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/fusion_input.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -33,6 +34,23 @@ Image<std::uint8_t> resample(const Image<std::uint8_t>& in, int w, int h) {
   return out;
 }
 
+/// No depth where segmentation saw the robot itself: it is neither tracked nor fused.
+void leaveSelfOut(const Image<std::uint8_t>& label, Image<float>& depth) {
+  if (std::find(label.begin(), label.end(), kSelfLabel) == label.end()) return;
+  for (int v = 0; v < depth.height(); ++v) {
+    for (int u = 0; u < depth.width(); ++u) {
+      // Every label whose pixel overlaps this one: the sizes may differ.
+      const int u1 = ((u + 1) * label.width() - 1) / depth.width();
+      const int v1 = ((v + 1) * label.height() - 1) / depth.height();
+      for (int j = v * label.height() / depth.height(); j <= v1; ++j) {
+        for (int i = u * label.width() / depth.width(); i <= u1; ++i) {
+          if (label(i, j) == kSelfLabel) depth(u, v) = 0;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void checkFusionInput(const RgbdFrame& frame, const SegmentationResult& s, const Camera& camera) {
@@ -50,6 +68,10 @@ void checkFusionInput(const RgbdFrame& frame, const SegmentationResult& s, const
   }
   requireSize("segmentation.score", s.score.width(), s.score.height(), camera.width / s.reduction,
               camera.height / s.reduction);
+  if (!s.label.empty()) {  // not needed where there is no robot
+    requireSize("segmentation.label", s.label.width(), s.label.height(), s.score.width(),
+                s.score.height());
+  }
   requireFinite("segmentation.camera.T_AB", s.camera.T_AB);
   if (s.object_moving) requireFinite("segmentation.object.T_AB", s.object.T_AB);
   if (s.has_prior_T_WC) requireFinite("segmentation.prior_T_WC", s.prior_T_WC);
@@ -62,6 +84,7 @@ FusionInput prepareFusionInput(const RgbdFrame& frame, const SegmentationResult&
   const Image<std::uint16_t> depth = undistorter.depth(frame.depth_mm);
   RgbdLevel level = reduceFrame(colour, depth, undistorter.camera(), config.reduction,
                                 config.sensor.depth_min_m, config.sensor.depth_max_m);
+  leaveSelfOut(s.label, level.depth);
   const Camera camera = level.camera;
   FusionInput out;
   out.maps =

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/segmentation_stage.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <variant>
 
+#include "geometry/undistort.hpp"
+#include "kinematics/self_filter.hpp"
 #include "segmentation/paper_segmenter.hpp"
 #include "segmentation/rigidfusion_segmenter.hpp"
 
@@ -18,16 +22,58 @@ Segmenter makeSegmenter(const SegmentationConfig& config, const Camera& camera) 
   return PaperSegmenter(config, camera);  // knows the other modes and refuses unknown ones
 }
 
+/// The frame as the segmenter is to see it: no depth where the robot is.
+RgbdFrame without(const RgbdFrame& frame, const Image<std::uint8_t>& self) {
+  RgbdFrame out = frame;
+  for (std::size_t i = 0; i < self.size(); ++i) {
+    if (self[i] != 0) out.depth_mm[i] = 0;
+  }
+  return out;
+}
+
+/// Labels the working pixels that show the robot, if only in part.
+void labelSelf(const Image<std::uint8_t>& self, const Undistorter& undistorter,
+               SegmentationResult& result) {
+  Image<std::uint16_t> wide(self.width(), self.height());
+  std::copy(self.begin(), self.end(), wide.begin());
+  const Image<std::uint16_t> ideal = undistorter.depth(wide);
+  const int n = result.reduction;
+  for (int v = 0; v < result.label.height(); ++v) {
+    for (int u = 0; u < result.label.width(); ++u) {
+      bool robot = false;
+      for (int k = 0; k < n * n; ++k) robot |= ideal(u * n + k % n, v * n + k / n) != 0;
+      if (!robot) continue;
+      result.label(u, v) = kSelfLabel;
+      result.score(u, v) = 255;
+    }
+  }
+}
+
 }  // namespace
 
 struct SegmentationStage::Impl {
+  Impl(const SegmentationConfig& config, const Camera& cam)
+      : camera(cam), segmenter(makeSegmenter(config, cam)), self_config(config.self_filter) {}
+
+  /// The robot's own pixels; made at the first prior that knows its shapes.
+  SelfMask selfOf(const RgbdFrame& frame, const MotionPrior& prior) {
+    if (!self_filter) {
+      self_filter.emplace(self_config, camera);
+      undistorter.emplace(camera);
+    }
+    return self_filter->find(prior.self, frame.depth_mm);
+  }
+
   Camera camera;
   Segmenter segmenter;
+  SelfFilterConfig self_config;
+  std::optional<SelfFilter> self_filter;
+  std::optional<Undistorter> undistorter;
 };
 
 SegmentationStage::SegmentationStage(const SegmentationConfig& config, const Camera& camera) {
   if (const auto problem = camera.problem()) throw std::invalid_argument(*problem);
-  impl_ = std::make_unique<Impl>(Impl{camera, makeSegmenter(config, camera)});
+  impl_ = std::make_unique<Impl>(config, camera);
 }
 
 SegmentationStage::~SegmentationStage() = default;
@@ -42,7 +88,15 @@ SegmentationResult SegmentationStage::process(const RgbdFrame& frame, const Moti
                                 std::to_string(frame.depth_mm.height()) + " is not the camera's " +
                                 std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
-  return std::visit([&](auto& s) { return s.process(frame, prior, feedback); }, impl_->segmenter);
+  const auto segment = [&](const RgbdFrame& seen) {
+    return std::visit([&](auto& s) { return s.process(seen, prior, feedback); }, impl_->segmenter);
+  };
+  if (prior.self.empty() || !impl_->self_config.enabled) return segment(frame);
+  const SelfMask self = impl_->selfOf(frame, prior);
+  if (self.pixels == 0) return segment(frame);
+  SegmentationResult result = segment(without(frame, self.mask));
+  labelSelf(self.mask, *impl_->undistorter, result);
+  return result;
 }
 
 void SegmentationStage::reset() {

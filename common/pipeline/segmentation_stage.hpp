@@ -22,8 +22,10 @@ class SegmentationStage {
 
   /// Segments frame B against the frames processed before. `prior` is for the pair (last processed
   /// frame, this frame), with kMissing members where nothing is known. `feedback` is the newest
-  /// ModelState or null; in lockstep it is that of the previous frame. Throws std::invalid_argument
-  /// when the frame's size is not the camera's; the state is then unchanged.
+  /// ModelState or null; in lockstep it is that of the previous frame. Where the prior brings the
+  /// robot's own shapes, its pixels are left out and labelled kSelfLabel. Throws
+  /// std::invalid_argument when the frame's size is not the camera's or a shape is unusable; the
+  /// state is then unchanged.
   SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
                              const ModelState* feedback);
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "kinematics/self_filter_config.hpp"
 #include "segmentation/clusters.hpp"
 #include "segmentation/hypotheses.hpp"
 #include "segmentation/image_terms.hpp"
@@ -47,6 +48,7 @@ struct SegmentationConfig {
   PriorTrustParams prior_trust;
   ClusterParams clusters;
   PaperConfig paper;
+  SelfFilterConfig self_filter;
 
   template <class V>
   void visit(V& v) {
@@ -98,6 +100,7 @@ struct SegmentationConfig {
     v("prior_trust", prior_trust, "how priors are judged by their innovations");
     v("clusters", clusters, "K-means clusters");
     v("paper", paper, "modes that follow the publications");
+    v("self_filter", self_filter, "the robot's own links in the picture");
   }
 };
 

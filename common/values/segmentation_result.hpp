@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -28,6 +29,11 @@ struct BodyMotion {
 
 /// Label value of a working-resolution pixel without depth.
 inline constexpr std::uint8_t kNoCluster = 255;
+/// Label value of a working-resolution pixel that shows the robot itself, in whole or in part: it
+/// took no part in the segmentation and is not to be tracked or fused.
+inline constexpr std::uint8_t kSelfLabel = 254;
+/// So clusters of a frame are labelled 0 .. kMaxClusters - 1.
+inline constexpr std::size_t kMaxClusters = 254;
 
 /// What segmentation says of one frame (paper section IV). Bit-exact over the wire.
 struct SegmentationResult {
@@ -38,8 +44,8 @@ struct SegmentationResult {
   bool first = false;          ///< first frame of a stream: motions are identity and mean nothing
   bool object_moving = false;  ///< two bodies were needed; else gamma is 1 everywhere
 
-  Image<std::uint8_t> label;  ///< cluster of each working pixel, kNoCluster = no depth
-  Image<std::uint8_t> score;  ///< 255 * gamma of each working pixel; 255 where there is no depth
+  Image<std::uint8_t> label;  ///< cluster of each working pixel, kNoCluster, kSelfLabel
+  Image<std::uint8_t> score;  ///< 255 * gamma of each working pixel; 255 where it has no cluster
   std::vector<float> gamma;   ///< per cluster, 1 static, 0 dynamic
 
   BodyMotion camera;         ///< of the static world: T(xi_s) = T_{CA CB}

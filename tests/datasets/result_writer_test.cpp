@@ -37,7 +37,7 @@ TEST(MaskMaker, FollowsDepthAndScore) {
   f.segmentation.score(3, 2) = 127;
   f.segmentation.score(4, 2) = 128;
   const Image<std::uint8_t> mask =
-      MaskMaker(smallCamera()).make(f.frame.depth_mm, f.segmentation.score, 2);
+      MaskMaker(smallCamera()).make(f.frame.depth_mm, f.segmentation.score, {}, 2);
   EXPECT_EQ(mask(0, 0), kMaskNoDepth);
   EXPECT_EQ(mask(1, 0), kMaskStatic);
   for (const int u : {6, 7}) {
@@ -47,6 +47,23 @@ TEST(MaskMaker, FollowsDepthAndScore) {
   EXPECT_EQ(mask(8, 4), kMaskStatic);
 }
 
+TEST(MaskMaker, NamesTheRobotsOwnPixels) {
+  OneFrame f(1);
+  f.frame.depth_mm(6, 4) = 0;
+  f.segmentation.score(4, 2) = 0;
+  f.segmentation.label = Image<std::uint8_t>(16, 12, 0);
+  f.segmentation.label(3, 2) = kSelfLabel;
+  f.segmentation.label(5, 2) = kNoCluster;
+  const Image<std::uint8_t> mask =
+      MaskMaker(smallCamera())
+          .make(f.frame.depth_mm, f.segmentation.score, f.segmentation.label, 2);
+  EXPECT_EQ(mask(6, 4), kMaskNoDepth);
+  EXPECT_EQ(mask(7, 4), kMaskSelf);
+  EXPECT_EQ(mask(6, 5), kMaskSelf);
+  EXPECT_EQ(mask(8, 4), kMaskDynamic);
+  EXPECT_EQ(mask(10, 4), kMaskStatic);
+}
+
 TEST(MaskMaker, LooksUpScoresWhereDistortedPixelsGo) {
   Camera camera = smallCamera();
   camera.distortion = {0.2, 0, 0, 0, 0};
@@ -54,7 +71,7 @@ TEST(MaskMaker, LooksUpScoresWhereDistortedPixelsGo) {
   for (int v = 0; v < 12; ++v) score(15, v) = 0;
   MaskMaker maker(camera);
   const Image<std::uint16_t> depth(32, 24, 500);
-  const Image<std::uint8_t> mask = maker.make(depth, score, 2);
+  const Image<std::uint8_t> mask = maker.make(depth, score, {}, 2);
   int dynamic = 0;
   for (int v = 0; v < 24; ++v) {
     for (int u = 0; u < 32; ++u) {
@@ -70,9 +87,11 @@ TEST(MaskMaker, LooksUpScoresWhereDistortedPixelsGo) {
 TEST(MaskMaker, RefusesOtherSizes) {
   MaskMaker maker(smallCamera());
   const Image<std::uint16_t> depth(32, 24, 500);
-  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(8, 8), 2), std::invalid_argument);
-  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(16, 12), 0), std::invalid_argument);
-  EXPECT_THROW(maker.make(Image<std::uint16_t>(16, 12), Image<std::uint8_t>(16, 12), 2),
+  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(8, 8), {}, 2), std::invalid_argument);
+  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(16, 12), {}, 0), std::invalid_argument);
+  EXPECT_THROW(maker.make(Image<std::uint16_t>(16, 12), Image<std::uint8_t>(16, 12), {}, 2),
+               std::invalid_argument);
+  EXPECT_THROW(maker.make(depth, Image<std::uint8_t>(16, 12), Image<std::uint8_t>(12, 16), 2),
                std::invalid_argument);
 }
 
@@ -132,6 +151,25 @@ TEST(ResultWriter, KeepsThePriorsThatWereUsed) {
   writer.addPrior(prior);
   ASSERT_EQ(readTrajectory(folder / "camera_prior.txt").size(), 1U);
   EXPECT_EQ(readTrajectory(folder / "object_prior.txt").at(0).pose.t.x(), 3);
+}
+
+TEST(ResultWriter, KeepsWhereKinematicsAlonePutTheObject) {
+  const TempFolder folder;
+  ResultWriter writer(folder.path(), smallCamera(), {});
+  MotionPrior prior;
+  prior.utime_b = 7;
+  prior.object = PriorState::kValid;
+  prior.object_kind = ObjectPriorKind::kCameraFrame;
+  prior.T_XOb.t = {0, 0, 0.5};
+  writer.addPrior(prior);
+  EXPECT_FALSE(std::filesystem::exists(folder / "object_prior.txt")) << "no camera pose";
+  prior.utime_b = 8;
+  prior.camera = PriorState::kValid;
+  prior.T_WCb = {Eigen::Quaterniond(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3::UnitY())), {1, 2, 3}};
+  writer.addPrior(prior);
+  const Trajectory object = readTrajectory(folder / "object_prior.txt");
+  ASSERT_EQ(object.size(), 1U);
+  EXPECT_LT((object[0].pose.t - Vec3(1.5, 2, 3)).norm(), 1e-8);
 }
 
 TEST(ResultWriter, RemovesOldResultsOnly) {

@@ -15,8 +15,8 @@ Image<std::uint8_t> row(std::initializer_list<std::uint8_t> values) {
 }
 
 TEST(SegmentationScore, CountsKnownPixelsOnly) {
-  //                             right stat, wrong, right dyn, wrong, unknown, no depth, 2nd body
-  const PixelCounts c = countPixels(row({1, 1, 2, 2, 0, 2, 3}), row({1, 2, 2, 1, 2, 0, 2}));
+  //                             right stat, wrong, right dyn, wrong, unknown, no depth, right dyn
+  const PixelCounts c = countPixels(row({1, 1, 2, 2, 0, 2, 2}), row({1, 2, 2, 1, 2, 0, 2}));
   EXPECT_EQ(c.static_right, 1);
   EXPECT_EQ(c.static_wrong, 1);
   EXPECT_EQ(c.dynamic_right, 2);
@@ -25,6 +25,25 @@ TEST(SegmentationScore, CountsKnownPixelsOnly) {
   EXPECT_DOUBLE_EQ(c.staticAccuracy(), 0.5);
   EXPECT_DOUBLE_EQ(c.dynamicAccuracy(), 2.0 / 3);
   EXPECT_THROW(countPixels(row({1}), row({1, 2})), std::invalid_argument);
+}
+
+TEST(SegmentationScore, KeepsTheRobotApart) {
+  //                       robot found, as object, as static, no depth | object, static taken | rest
+  const PixelCounts c = countPixels(row({3, 3, 3, 3, 2, 1, 2, 1}), row({3, 2, 1, 0, 3, 3, 2, 1}));
+  EXPECT_EQ(c.self_right, 1);
+  EXPECT_EQ(c.self_missed, 2);
+  EXPECT_EQ(c.self_wrong, 2);
+  EXPECT_EQ(c.dynamic_right, 1);
+  EXPECT_EQ(c.dynamic_wrong, 1) << "an object's pixel taken for the robot is lost to the object";
+  EXPECT_EQ(c.static_right, 1);
+  EXPECT_EQ(c.static_wrong, 0);
+  EXPECT_DOUBLE_EQ(c.selfRecall(), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(c.selfPrecision(), 1.0 / 3);
+  const PixelCounts none = countPixels(row({1, 2}), row({1, 2}));
+  EXPECT_DOUBLE_EQ(none.selfRecall(), 1.0);
+  EXPECT_DOUBLE_EQ(none.selfPrecision(), 1.0);
+  EXPECT_EQ(countMissing(row({3, 3, 2, 1})).self_missed, 2);
+  EXPECT_EQ(countMissing(row({3, 3, 2, 1})).dynamic_wrong, 1);
 }
 
 TEST(SegmentationScore, PoolsPixelsAndRanksFrames) {

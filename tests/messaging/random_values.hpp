@@ -59,6 +59,7 @@ class RandomValues {
     const int h = static_cast<int>(integer(1, 70));
     s.label = plane<std::uint8_t>(w, h, clusters - 1);
     s.label[0] = kNoCluster;
+    s.label[s.label.size() - 1] = kSelfLabel;
     s.score = plane<std::uint8_t>(w, h, 255);
     s.camera = motion();
     s.object = motion();

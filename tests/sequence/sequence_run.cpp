@@ -15,8 +15,8 @@ SequenceRun runSequence(const Camera& camera, const PipelineConfig& config, Prio
   while (const std::optional<RgbdFrame> frame = next()) {
     const OfflinePipeline::Output out = pipeline.process(*frame);
     run.frames.push_back(frame->utime);
-    run.masks.push_back(
-        masks.make(out.frame.depth_mm, out.segmentation.score, out.segmentation.reduction));
+    run.masks.push_back(masks.make(out.frame.depth_mm, out.segmentation.score,
+                                   out.segmentation.label, out.segmentation.reduction));
     if (out.state.camera.health != Health::kLost)
       run.camera.push_back({frame->utime, out.state.camera.T_W});
     if (out.state.object_exists) run.object.push_back({frame->utime, out.state.object.T_W});

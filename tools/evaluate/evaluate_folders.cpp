@@ -171,19 +171,21 @@ void scoreMasks(const EvaluationRequest& request, const Inputs& inputs, Evaluati
   const SpeedTable speed_at(inputs.object_truth);
   FrameSet fast;
   FrameSet moving;
+  PixelCounts all;
   for (const std::int64_t utime : inputs.frames) {
     const auto mask = truth.find(utime);
     if (mask == truth.end()) continue;
     const double speed = judge_speed ? speed_at.at(utime).value_or(0.0) : 1e9;
-    if (speed <= kAnyMotion && speed <= request.speed_threshold) continue;
     const auto result = found.find(utime);
     const bool missing = result == found.end();
     const Image<std::uint8_t> true_mask = readMask(mask->second);
     const PixelCounts counts =
         missing ? countMissing(true_mask) : countPixels(true_mask, readMask(result->second));
+    all += counts;
     if (speed > kAnyMotion) moving.add(counts, missing);
     if (speed > request.speed_threshold) fast.add(counts, missing);
   }
+  if (all.self_right + all.self_missed > 0) report.self = all;
   report.fast = scoreSegmentation(fast.counts, fast.missing);
   report.moving = scoreSegmentation(moving.counts, moving.missing);
 }

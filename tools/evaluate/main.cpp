@@ -43,8 +43,9 @@ int main(int argc, char** argv) {
   app.add_option("--object-prior", request.object_prior,
                  "Trajectory file or none; default: object_prior.txt of the result, else "
                  "object_odometry.txt of the sequence");
-  app.add_option("--truth-masks", request.truth_masks,
-                 "Folder of true masks <timestamp>.png: 0 unknown, 1 static, 2 dynamic");
+  app.add_option(
+      "--truth-masks", request.truth_masks,
+      "Folder of true masks <timestamp>.png: 0 unknown, 1 static, 2 dynamic, 3 the robot");
   app.add_option("--speed-threshold", request.speed_threshold,
                  "The object counts as moving above this speed, m/s")
       ->check(CLI::Range(0.0, 10.0))
