@@ -16,6 +16,8 @@ constexpr const char* kHeader =
     "segment_object_inliers,track_static_rms_m,track_static_inliers,track_object_rms_m,"
     "track_object_inliers,static_surfels,object_surfels,segment_ms,fuse_ms,stage_ms,note";
 
+constexpr double kSelfBehindNoted = 0.1;
+
 /// Keeps a free text inside one cell.
 std::string cell(std::string text) {
   std::replace_if(
@@ -40,6 +42,13 @@ std::string list(const StageTimes& segment, const StageTimes& fuse) {
   return text;
 }
 
+/// Something is wrong with the robot's description or joints when much of it is not seen.
+std::string noteOf(const SegmentationResult& s) {
+  if (s.self_behind < kSelfBehindNoted) return {};
+  return fmt::format("{:.0f} % of the robot is not where its shapes and joints say",
+                     100 * s.self_behind);
+}
+
 }  // namespace
 
 FrameTable::FrameTable(const std::string& path) : path_(path), file_(path, std::ios::trunc) {
@@ -60,8 +69,8 @@ void FrameTable::add(const SegmentationResult& s, const ModelState& m) {
                      s.camera.inliers, s.object.rms_residual, s.object.inliers);
   row += fmt::format(",{:.6f},{:.1f},{:.6f},{:.1f},{},{}", m.camera.rms_residual, m.camera.inliers,
                      m.object.rms_residual, m.object.inliers, m.static_surfels, m.object_surfels);
-  row += fmt::format(",{:.3f},{:.3f},{},", total(s.stage_ms), total(m.stage_ms),
-                     list(s.stage_ms, m.stage_ms));
+  row += fmt::format(",{:.3f},{:.3f},{},{}", total(s.stage_ms), total(m.stage_ms),
+                     list(s.stage_ms, m.stage_ms), noteOf(s));
   write(row);
 }
 

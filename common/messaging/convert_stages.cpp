@@ -65,6 +65,8 @@ void checkValue(Check& check, const SegmentationResult& s) {
   checkMotion(check, s.camera, s.first);
   checkMotion(check, s.object, s.first);
   check.range("dynamic_share", s.dynamic_share, 0, 1);
+  check.range("self_share", s.self_share, 0, 1);
+  check.range("self_behind", s.self_behind, 0, 1);
   check.text("hypothesis", s.hypothesis);
   if (s.has_prior_T_WC) check.transform("prior_T_WC", s.prior_T_WC);
   if (s.has_T_CO) check.transform("T_CO", s.T_CO);
@@ -207,6 +209,8 @@ Result<rigidfusion::segmentation_t> toMessage(const SegmentationResult& s) {
   out.camera = toWire(s.camera);
   out.object = toWire(s.object);
   out.dynamic_share = s.dynamic_share;
+  out.self_share = s.self_share;
+  out.self_behind = s.self_behind;
   out.hypothesis = s.hypothesis;
   out.has_prior_T_WC = static_cast<std::int8_t>(s.has_prior_T_WC);
   out.prior_T_WC = toWire(s.has_prior_T_WC ? s.prior_T_WC : SE3());
@@ -231,6 +235,8 @@ Result<SegmentationResult> toValue(const rigidfusion::segmentation_t& m) {
   out.camera = fromWire(m.camera);
   out.object = fromWire(m.object);
   out.dynamic_share = m.dynamic_share;
+  out.self_share = m.self_share;
+  out.self_behind = m.self_behind;
   out.hypothesis = m.hypothesis;
   out.has_prior_T_WC = m.has_prior_T_WC != 0;
   out.prior_T_WC = rf::fromWire(m.prior_T_WC);

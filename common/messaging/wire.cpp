@@ -233,7 +233,7 @@ std::string layoutProblem(ByteView body, const rigidfusion::segmentation_t*) {
   c.array(c.count32("label_size"), 1);
   c.array(c.count32("score_size"), 1);
   c.array(c.count32("n_clusters"), 4);
-  c.skip(2 * kBodyMotion + 8);
+  c.skip(2 * kBodyMotion + 3 * 8);
   c.string();
   c.skip(2 * (1 + kTransform));
   stageTimes(c);

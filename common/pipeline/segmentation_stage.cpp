@@ -2,6 +2,7 @@
 #include "pipeline/segmentation_stage.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -49,6 +50,14 @@ void labelSelf(const Image<std::uint8_t>& self, const Undistorter& undistorter,
   }
 }
 
+void noteSelf(const SelfMask& self, const RgbdFrame& frame, SegmentationResult& result) {
+  const auto measured =
+      std::count_if(frame.depth_mm.begin(), frame.depth_mm.end(), [](auto mm) { return mm != 0; });
+  if (measured > 0) result.self_share = self.pixels / static_cast<double>(measured);
+  const int there = self.pixels + self.behind;
+  if (there > 0) result.self_behind = self.behind / static_cast<double>(there);
+}
+
 }  // namespace
 
 struct SegmentationStage::Impl {
@@ -92,10 +101,13 @@ SegmentationResult SegmentationStage::process(const RgbdFrame& frame, const Moti
     return std::visit([&](auto& s) { return s.process(seen, prior, feedback); }, impl_->segmenter);
   };
   if (prior.self.empty() || !impl_->self_config.enabled) return segment(frame);
+  const auto begin = std::chrono::steady_clock::now();
   const SelfMask self = impl_->selfOf(frame, prior);
-  if (self.pixels == 0) return segment(frame);
-  SegmentationResult result = segment(without(frame, self.mask));
-  labelSelf(self.mask, *impl_->undistorter, result);
+  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
+  SegmentationResult result = segment(self.pixels > 0 ? without(frame, self.mask) : frame);
+  if (self.pixels > 0) labelSelf(self.mask, *impl_->undistorter, result);
+  noteSelf(self, frame, result);
+  result.stage_ms.insert(result.stage_ms.begin(), {"self", spent.count()});
   return result;
 }
 

@@ -51,7 +51,11 @@ struct SegmentationResult {
   BodyMotion camera;         ///< of the static world: T(xi_s) = T_{CA CB}
   BodyMotion object;         ///< of the moving body:  T(xi_d); equals camera's while it rests
   double dynamic_share = 0;  ///< sum(1 - gamma) over pixels with depth / their number
-  std::string hypothesis;    ///< which reading of the frame won (short ASCII word)
+  double self_share = 0;     ///< input pixels of the robot itself / those with depth
+  /// Input pixels that show something behind the robot where it should be itself / those and its
+  /// pixels, 0..1: near 0 where its shapes, joints and the camera's place are right.
+  double self_behind = 0;
+  std::string hypothesis;  ///< which reading of the frame won (short ASCII word)
 
   /// The camera prior's own absolute pose at B if it has one (world frame, start pose), see
   /// MotionPrior.

@@ -2,6 +2,7 @@
 #include "datasets/result_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "datasets/error.hpp"
@@ -165,7 +166,7 @@ TEST(ResultWriter, KeepsWhereKinematicsAlonePutTheObject) {
   EXPECT_FALSE(std::filesystem::exists(folder / "object_prior.txt")) << "no camera pose";
   prior.utime_b = 8;
   prior.camera = PriorState::kValid;
-  prior.T_WCb = {Eigen::Quaterniond(Eigen::AngleAxisd(EIGEN_PI / 2, Vec3::UnitY())), {1, 2, 3}};
+  prior.T_WCb = {Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(0.0), Vec3::UnitY())), {1, 2, 3}};
   writer.addPrior(prior);
   const Trajectory object = readTrajectory(folder / "object_prior.txt");
   ASSERT_EQ(object.size(), 1U);

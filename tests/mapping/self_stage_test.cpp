@@ -76,6 +76,8 @@ TEST(SelfStage, SegmentsAsIfTheRobotHadNoDepth) {
       }
     }
     EXPECT_GT(robot, 500);
+    EXPECT_NEAR(out.self_share, self.pixels / (320.0 * 240.0), 0.01) << "all pixels have depth";
+    EXPECT_EQ(out.self_behind, 0);
   }
 }
 
@@ -93,6 +95,16 @@ TEST(SelfStage, WithoutShapesOrSwitchedOffNothingChanges) {
     EXPECT_EQ(a.camera.T_AB, b.camera.T_AB);
     for (const std::uint8_t label : a.label) ASSERT_NE(label, kSelfLabel);
   }
+}
+
+TEST(SelfStage, SaysWhenTheRobotIsNotWhereItShouldBe) {
+  SegmentationStage stage({}, camera());
+  const RgbdFrame frame = frameAt(0);
+  MotionPrior wrong = priorOf(frame, true);
+  wrong.self[0].T_CS.t.y() -= 0.3;  // an arm that the picture does not show
+  const SegmentationResult out = stage.process(frame, wrong, nullptr);
+  EXPECT_GT(out.self_behind, 0.9);
+  EXPECT_LT(out.self_share, 0.01);
 }
 
 TEST(SelfStage, FusionNeitherTracksNorFusesTheRobot) {

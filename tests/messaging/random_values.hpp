@@ -64,6 +64,8 @@ class RandomValues {
     s.camera = motion();
     s.object = motion();
     s.dynamic_share = real(0, 1);
+    s.self_share = real(0, 1);
+    s.self_behind = real(0, 1);
     s.hypothesis = "camera-first";
     s.has_prior_T_WC = coin();
     if (s.has_prior_T_WC) s.prior_T_WC = transform();
