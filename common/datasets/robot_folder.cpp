@@ -110,7 +110,7 @@ RobotRecording readRobot(const std::string& folder, const PriorConfig& config) {
   readJointsInto(fs::path(folder) / "joints.csv", out);
   readGraspsInto(fs::path(folder) / "grasp.csv", out);
   for (const std::string& complaint : out.robot.complaints())
-    out.remarks.push_back(folder + ": " + complaint);
+    out.remarks.push_back(fmt::format("{}: {}", folder, complaint));
   return out;
 }
 

@@ -38,6 +38,10 @@ JointBuffer::JointBuffer(const std::map<std::string, JointKind>& wanted, double 
   for (const auto& [name, kind] : wanted) tracks_[name].kind = kind;
 }
 
+void JointBuffer::allowAnySpeed(std::span<const std::string> joints) {
+  for (const std::string& joint : joints) tracks_.at(joint).any_speed = true;
+}
+
 void JointBuffer::reserve(std::size_t capacity) { capacity_ = std::max(capacity_, capacity); }
 
 std::string JointBuffer::add(std::int64_t utime, std::span<const std::string> names,
@@ -91,7 +95,7 @@ std::string JointBuffer::addOne(const std::string& name, Track& track, std::int6
     if (track.kind == JointKind::kContinuous) position = unwound(position, last.position);
     const double dt = secondsBetween(last.utime, utime);
     const double moved = std::abs(position - last.position);
-    if (moved > max_speed_ * dt + kJumpSlack) {
+    if (!track.any_speed && moved > max_speed_ * dt + kJumpSlack) {
       said = fmt::format("joint '{}' jumps by {:.3f} in {:.3f} s (max_joint_speed is {} per s)",
                          name, moved, dt, max_speed_);
       ++counts_.jumps;

@@ -30,6 +30,9 @@ class JointBuffer {
   JointBuffer(const std::map<std::string, JointKind>& wanted, double max_speed, double offset_s,
               std::size_t capacity = 20000);
 
+  /// Wheels: no speed of these is a jump.
+  void allowAnySpeed(std::span<const std::string> joints);
+
   /// Takes what is wanted of a message. Returns what there is to say: nothing wanted in it, numbers
   /// that are not finite, time that does not advance, jumps; empty when all is well.
   std::string add(std::int64_t utime, std::span<const std::string> names,
@@ -58,6 +61,7 @@ class JointBuffer {
   };
   struct Track {
     JointKind kind = JointKind::kRevolute;
+    bool any_speed = false;
     std::deque<Sample> samples;
     Timeline timeline;
     Breaks breaks;

@@ -87,7 +87,9 @@ RobotPrior::RobotPrior(RobotModel robot, const PriorConfig& config)
       wheels_(split(config_.wheel_joints)),
       odometry_(config_, max_gap_),
       joints_(wantedJoints(robot_, config_), config_.max_joint_speed, config_.joints_offset),
-      grasps_(config_.grasp_offset) {}
+      grasps_(config_.grasp_offset) {
+  joints_.allowAnySpeed(wheels_);
+}
 
 PoseAt RobotPrior::baseAt(std::int64_t utime) const {
   if (config_.fixed_base) return {PriorState::kValid, SE3(), {}};

@@ -73,12 +73,15 @@ TEST(ComposePriors, EqualsTheDirectPairWithFirstOrderCovariance) {
       const SE3 O_B = O_A * randomPose(rng, 0.3);
       const SE3 O_C = O_B * randomPose(rng, 0.3);
       const MotionPrior ab = pair(1, 2, T_WA, T_WB, O_A, O_B, kind);
-      const MotionPrior bc = pair(2, 3, T_WB, T_WC, O_B, O_C, kind);
+      MotionPrior bc = pair(2, 3, T_WB, T_WC, O_B, O_C, kind);
+      bc.self = {{RobotShapeKind::kSphere, Vec3(0.1, 0.1, 0.1), O_B}};
       const MotionPrior ac = composePriors(ab, bc);
       EXPECT_EQ(ac.utime_a, 1);
       EXPECT_EQ(ac.utime_b, 3);
       EXPECT_EQ(ac.seq, 3);
       EXPECT_LT((ac.T_CaCb.inverse() * T_WA.inverse() * T_WC).log().norm(), 1e-12);
+      EXPECT_EQ(ac.self.size(), 1U);
+      EXPECT_EQ(ac.self, bc.self);
       EXPECT_EQ(ac.T_WCb, T_WC);
       EXPECT_EQ(ac.T_XOa, O_A);
       EXPECT_EQ(ac.T_XOb, O_C);

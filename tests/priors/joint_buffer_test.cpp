@@ -106,6 +106,18 @@ TEST(JointBuffer, JumpIsFlagged) {
   EXPECT_EQ(joints.counts().jumps, 1);
 }
 
+TEST(JointBuffer, WheelsMaySpin) {
+  JointBuffer joints = buffer();
+  const Names wheel{"wheel"};
+  joints.allowAnySpeed(wheel);
+  for (int i = 0; i <= 10; ++i)
+    EXPECT_EQ(
+        joints.add(us(0.01 * i), wheel, Numbers{std::remainder(0.5 * i, 2 * std::numbers::pi)}),
+        "");
+  EXPECT_EQ(joints.counts().jumps, 0);
+  EXPECT_NEAR(joints.at(us(0.095), wheel, kGap, kBeyond).q.at("wheel"), 4.75, 1e-9);
+}
+
 TEST(JointBuffer, OffsetShiftsAndClockThatGoesBackBeginsAnew) {
   JointBuffer joints = buffer(0.02);
   const Names pan{"pan"};
