@@ -168,6 +168,16 @@ void checkTree(const urdf::ModelInterface& model, const std::string& source) {
   }
 }
 
+/// checkTree; links that own each other in a circle are let go before the error leaves.
+void refuseLoops(const urdf::ModelInterface& model, const std::string& source) {
+  try {
+    checkTree(model, source);
+  } catch (const KinematicsError&) {
+    for (const auto& [name, link] : model.links_) link->child_links.clear();
+    throw;
+  }
+}
+
 }  // namespace
 
 urdf::ModelInterfaceSharedPtr readUrdf(const std::string& xml, const std::string& source) {
@@ -177,7 +187,7 @@ urdf::ModelInterfaceSharedPtr readUrdf(const std::string& xml, const std::string
     throw KinematicsError(source, fmt::format("has {} links, at most {} are allowed",
                                               model->links_.size(), kMaxLinks));
   }
-  checkTree(*model, source);
+  refuseLoops(*model, source);
   for (const auto& [name, joint] : model->joints_) checkJoint(*joint, source);
   for (const auto& [name, joint] : model->joints_) checkMimic(*model, *joint, source);
   return model;
