@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "ticks.hpp"
+
 namespace rf::render {
 namespace {
 
@@ -58,21 +60,6 @@ Panel fitPanel(const cv::Rect2d& frame, const Bounds& bounds) {
   const double metres_y = std::max(0.05, extent.y * 1.15);
   return {frame, std::min(frame.width / metres_x, frame.height / metres_y),
           (bounds.low + bounds.high) / 2};
-}
-
-/// 1, 2 or 5 times a power of ten, so that at most `ticks` of them span `metres`.
-double tickStep(double metres, int ticks) {
-  const double raw = metres / ticks;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= raw) return factor * power;
-  }
-  return 10 * power;
-}
-
-std::string tickLabel(double value, double step) {
-  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  return fmt::format("{:.{}f}", std::abs(value) < step / 2 ? 0.0 : value, decimals);
 }
 
 void drawGrid(Canvas& canvas, const Panel& panel, int ticks) {
