@@ -9,7 +9,7 @@ namespace {
 
 std::string priorFile(const std::string& option, const std::string& input, const char* fallback) {
   if (option == "none") return {};
-  if (!option.empty()) return option;
+  if (!option.empty() || input.empty()) return option;
   const std::filesystem::path candidate = std::filesystem::path(input) / fallback;
   return std::filesystem::exists(candidate) ? candidate.string() : std::string();
 }
@@ -23,7 +23,7 @@ std::string missingFile(const char* option, const std::string& path) {
 
 std::string RunOptions::robotFolder() const {
   if (robot == "none") return {};
-  if (!robot.empty()) return robot;
+  if (!robot.empty() || input.empty()) return robot;
   const std::filesystem::path candidate = std::filesystem::path(input) / "robot";
   return std::filesystem::is_directory(candidate) ? candidate.string() : std::string();
 }
@@ -39,8 +39,10 @@ std::string RunOptions::objectPriorFile() const {
 }
 
 std::string RunOptions::problem() const {
-  if (input.empty()) return "--input: a folder or file is required";
-  if (!std::filesystem::exists(input)) return "--input = '" + input + "': no such file or folder";
+  if (input.empty() == device.empty())
+    return "--input: a folder or file is required (or a --device)";
+  if (device.empty() && !std::filesystem::exists(input))
+    return "--input = '" + input + "': no such file or folder";
   if (output.empty()) return "--output: a folder is required";
   if (threads < 1 || threads > 64)
     return "--threads = " + std::to_string(threads) + ": must be 1..64";

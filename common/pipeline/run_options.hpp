@@ -9,7 +9,8 @@ namespace rf {
 
 /// What rf-run and rf-launch are asked to do: the same options, the same meaning.
 struct RunOptions {
-  std::string input;   ///< TUM-layout folder, or an LCM log with OPENNI_FRAME
+  std::string input;   ///< TUM-layout folder, an LCM log with OPENNI_FRAME, or an .oni file
+  std::string device;  ///< rf-launch, instead of an input: OpenNI2 device by URI, or "any"
   std::string output;  ///< result folder
   std::string
       camera_prior;  ///< trajectory file, "none", or empty: odometry.txt of the input if present

@@ -72,7 +72,8 @@ void showProgress(const rf::Watch& watch, std::size_t total, bool quiet) {
   last = Clock::now();
   const auto fuse = watch.statuses().find("fuse");
   const double rate = fuse == watch.statuses().end() ? 0 : fuse->second.rate_out_hz;
-  fmt::print(stderr, "\r  frame {}/{}  {:.1f} Hz  {:<40}", watch.lastSeq() + 1, total, rate,
+  const std::string of = total > 0 ? fmt::format("/{}", total) : "";
+  fmt::print(stderr, "\r  frame {}{}  {:.1f} Hz  {:<40}", watch.lastSeq() + 1, of, rate,
              watch.lastResult());
 }
 
@@ -111,7 +112,8 @@ int launch(const rf::LaunchOptions& options) {
   const rf::PipelineConfig config = rf::effectiveConfig(options.run);
   std::vector<std::string> remarks;
   rf::makePriorStage(config.prior, options.run, remarks);
-  const std::size_t total = rf::openSource(options.run)->size();
+  const bool from_device = !options.run.device.empty();
+  const std::size_t total = from_device ? 0 : rf::openSource(options.run)->size();
   const auto network = rf::checkNetwork();
   if (!network.problems.empty()) fmt::print(stderr, "{}", network.text());
   if (!network.usable()) return rf::kExitNoLcm;
@@ -147,7 +149,8 @@ int launch(const rf::LaunchOptions& options) {
                capture.logTail());
   rf::savePriors(options.run);
   if (!options.run.quiet) {
-    fmt::print(stderr, "\n{} of {} frames in {:.1f} s; results in {}\n{}", watch.results(), total,
+    const auto of = total > 0 ? static_cast<std::int64_t>(total) : watch.lastSeq() + 1;
+    fmt::print(stderr, "\n{} of {} frames in {:.1f} s; results in {}\n{}", watch.results(), of,
                took, options.run.output, losses(watch));
   }
   return worst;
@@ -164,6 +167,9 @@ int main(int argc, char** argv) {
   rf::LaunchOptions options;
   options.bin_dir = ownFolder();
   rf::addRunOptions(app, options.run);
+  app.add_option(
+      "--device", options.run.device,
+      "instead of --input: map live from an OpenNI2 device, by URI or 'any', until Ctrl-C");
   app.add_flag("--realtime", options.realtime, "play at the recorded rate; frames may be skipped");
   app.add_option("--speed", options.speed, "with --realtime: times the recorded rate")
       ->capture_default_str()
@@ -184,6 +190,7 @@ int main(int argc, char** argv) {
   return rf::runService("rf-launch", [&] {
     if (const auto problem = options.run.problem(); !problem.empty())
       throw std::invalid_argument(problem);
+    if (!options.run.device.empty()) options.realtime = true;
     return launch(options);
   });
 }

@@ -71,11 +71,15 @@ std::vector<PlannedChild> planReceivers(const LaunchOptions& options) {
 
 PlannedChild planCapture(const LaunchOptions& options) {
   PlannedChild child = service(options, "capture");
+  if (!options.run.calibration.empty())
+    add(child.arguments, {"--calibration", options.run.calibration});
+  if (!options.run.device.empty()) {
+    add(child.arguments, {"--device", options.run.device});
+    return child;
+  }
   add(child.arguments,
       {"--input", options.run.input, "--await", "prior,segment,fuse", "--timeout-ms",
        std::to_string(options.timeout_ms), "--speed", fmt::format("{}", options.speed)});
-  if (!options.run.calibration.empty())
-    add(child.arguments, {"--calibration", options.run.calibration});
   return child;
 }
 

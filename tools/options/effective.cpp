@@ -5,11 +5,14 @@
 #include <vector>
 
 #include "config/yaml.hpp"
+#include "datasets/error.hpp"
 #include "datasets/robot_folder.hpp"
 #include "datasets/trajectory.hpp"
 #include "datasets/tum_source.hpp"
 #include "messaging/log_source.hpp"
 #include "priors/simulated_drift.hpp"
+#include "sensing/error.hpp"
+#include "sensing/oni_source.hpp"
 
 namespace rf {
 namespace {
@@ -27,6 +30,16 @@ void saveRobotPrior(const RunOptions& options) {
   TrajectoryWriter writer(options.output + "/camera_prior.txt", "timestamp tx ty tz qx qy qz qw");
   for (const std::int64_t utime : robot.odometry().times()) {
     if (const auto T_WC = robot.cameraPose(utime)) writer.add(utime, *T_WC);
+  }
+}
+
+std::unique_ptr<FrameSource> openOni(const RunOptions& options,
+                                     const std::optional<Camera>& camera) {
+  const double max_gap = effectiveConfig(options).capture.device.max_pair_gap;
+  try {
+    return std::make_unique<OniSource>(options.input, max_gap, camera);
+  } catch (const SensingError& e) {
+    throw DatasetError(e.what());
   }
 }
 
@@ -80,8 +93,9 @@ std::unique_ptr<FrameSource> openSource(const RunOptions& options) {
   if (std::filesystem::is_directory(options.input)) {
     return std::make_unique<TumSource>(options.input, calibration);
   }
-  return std::make_unique<LcmLogSource>(
-      options.input, calibration ? std::optional(calibration->camera) : std::nullopt);
+  const auto camera = calibration ? std::optional(calibration->camera) : std::nullopt;
+  if (isOniFile(options.input)) return openOni(options, camera);
+  return std::make_unique<LcmLogSource>(options.input, camera);
 }
 
 }  // namespace rf

@@ -25,7 +25,7 @@ PriorStage makePriorStage(const PriorConfig& config, const RunOptions& options,
 /// into the result folder, where rf-evaluate looks for them. Throws DatasetError.
 void savePriors(const RunOptions& options);
 
-/// A TUM-layout folder or an LCM log. Throws DatasetError, ConfigError.
+/// A TUM-layout folder, an LCM log or an .oni recording. Throws DatasetError, ConfigError.
 std::unique_ptr<FrameSource> openSource(const RunOptions& options);
 
 }  // namespace rf

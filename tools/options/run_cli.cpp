@@ -6,8 +6,8 @@
 namespace rf {
 
 void addRunOptions(CLI::App& app, RunOptions& options) {
-  app.add_option("--input", options.input, "TUM-layout folder, or an LCM log with OPENNI_FRAME")
-      ->required();
+  app.add_option("--input", options.input,
+                 "TUM-layout folder, LCM log with OPENNI_FRAME, or .oni file");
   app.add_option("--output", options.output,
                  "result folder; results of an earlier run in it are replaced")
       ->required();
