@@ -113,6 +113,7 @@ void sortByTime(std::vector<ResidualRow>* rows) {
 void checkRelated(const CalibrationRequest& request, const RowModel& model,
                   const std::vector<MotionRow>& rows, const Estimate& e) {
   std::vector<Vec6> motions;
+  motions.reserve(rows.size());
   for (const MotionRow& row : rows) motions.push_back(row.d_X.log());
   const ErrorSize moved = sizeOf(motions);
   if (moved.translation < kAtRest && moved.rotation < kAtRest) return;
@@ -265,7 +266,7 @@ std::string parameterName(Problem problem, int parameter) {
                                                                   "time offset",
                                                                   "scale of distance",
                                                                   "scale of turning"};
-  const std::string short_name = kNames[static_cast<std::size_t>(parameter)];
+  std::string short_name = kNames[static_cast<std::size_t>(parameter)];
   if (parameter >= kTime) return short_name;
   const std::string where = problem == Problem::kOdometry ? "base" : "gripper";
   const std::string height = problem == Problem::kOdometry && parameter == kZ ? " (height)" : "";
