@@ -60,7 +60,7 @@ std::string motionWords(const CalibrationResult& r) {
 /// Observed, at its prior, or in part.
 std::string statusOf(const CalibrationResult& r, int k) {
   const double share = r.estimate.observability.share[k];
-  const std::string start = r.prior.has_transform || k >= kTime ? "at its prior" : "not known";
+  std::string start = r.prior.has_transform || k >= kTime ? "at its prior" : "not known";
   if (share > 0.99) return "observed";
   if (share < 0.01) return start;
   return fmt::format("observed to {:.0f} %", 100 * share);
