@@ -100,7 +100,7 @@ Trajectory readSeen(const std::string& path, const std::string& file,
                     std::vector<std::string>* notes) {
   if (!fs::is_directory(path)) return readTrajectory(path);
   const std::string poses = (fs::path(path) / file).string();
-  const Trajectory all = readTrajectory(poses);
+  Trajectory all = readTrajectory(poses);
   const fs::path covariances = fs::path(path) / "covariance.csv";
   if (!fs::exists(covariances)) return all;
   const CovarianceFile states = readCovariances(covariances.string());
@@ -123,7 +123,7 @@ Trajectory inCamera(const Trajectory& objects, const Trajectory& cameras, const 
 }
 
 Trajectory readObject(const CalibrateOptions& options, std::vector<std::string>* notes) {
-  const Trajectory object = readSeen(options.seen, "object.txt", notes);
+  Trajectory object = readSeen(options.seen, "object.txt", notes);
   if (!options.same_frame) return object;
   std::string camera = options.camera;
   if (camera.empty() && fs::is_directory(options.seen)) camera = options.seen;
