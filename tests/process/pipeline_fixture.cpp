@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 
 namespace rf {
 namespace {
@@ -36,10 +37,14 @@ void makeCut(const fs::path& from, const fs::path& to, int frames) {
 
 fs::path PipelineTest::folder_;
 
-void PipelineTest::SetUpTestSuite() {
+void PipelineTest::makeShared() {
   folder_ = fs::temp_directory_path() / ("rf-process-" + std::to_string(getpid()));
   fs::remove_all(folder_);
   makeCut(fs::path(RF_TEST_DATA) / "tum_fr1_rpy", folder_ / "cut", kFrames);
+}
+
+void PipelineTest::SetUpTestSuite() {
+  makeShared();
   const std::vector<std::string> job = {"--input", shared("cut"), "--write-masks",
                                         "--simulate-drift", "0.06,0.4"};
   auto offline = job, launched = job;
@@ -97,6 +102,12 @@ void PipelineTest::awaitReady(Watch& watch) {
       ASSERT_LT(std::chrono::steady_clock::now(), until) << service->name();
     }
   }
+}
+
+Child& PipelineTest::started(const std::string& name) {
+  for (const auto& service : services_)
+    if (service->name() == name) return *service;
+  throw std::invalid_argument(name + " was not started");
 }
 
 void PipelineTest::stopAll() {

@@ -23,6 +23,8 @@ class PipelineTest : public testing::Test {
 
   /// The cut, its result by rf-run and its recording by rf-launch: made once.
   static void SetUpTestSuite();
+  /// The folder and the cut alone.
+  static void makeShared();
   static void TearDownTestSuite();
   void TearDown() override { services_.clear(); }
 
@@ -44,6 +46,9 @@ class PipelineTest : public testing::Test {
   void stopAll();
   /// What rf-<name> said.
   std::string logOf(const std::string& name) const { return contentOf(own("rf-" + name + ".txt")); }
+
+  /// The program that start() started as `name`.
+  Child& started(const std::string& name);
 
   /// rf-segment and rf-fuse in lockstep, fed with a log by rf-replay; returns rf-replay's exit
   /// code.
