@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensing/oni_source.hpp"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 
 #include <filesystem>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -22,10 +26,26 @@ namespace {
 /// The player answers within milliseconds; a file that ends early never does.
 constexpr int kTimeoutMs = 2000;
 constexpr float kOnDemand = -1;
+/// The player's thread reads on for a moment and would touch what is being destroyed.
+constexpr auto kPlayerRest = std::chrono::milliseconds(200);
 
 template <class T>
 void turnRound(Image<T>& image) {
   for (int v = 0; v < image.height(); ++v) std::reverse(image.row(v), image.row(v) + image.width());
+}
+
+/// OpenNI2 gives its player's thread little time to end, cancels it, and unloads the driver that it
+/// may still be in. So the driver stays in memory once it has played.
+void keepPlayerLoaded() {
+  std::string path;
+  dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t, void* out) {
+        const std::string name = info->dlpi_name;
+        if (name.find("libOniFile") != std::string::npos) *static_cast<std::string*>(out) = name;
+        return 0;
+      },
+      &path);
+  if (!path.empty()) dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
 }
 
 const std::string& requireOniFile(const std::string& path) {
@@ -45,6 +65,8 @@ bool isOniFile(const std::string& path) {
 OniSource::OniSource(const std::string& path, double max_gap,
                      const std::optional<Camera>& calibration)
     : path_(requireOniFile(path)), pairer_(std::llround(max_gap * 1e6)) {
+  keepPlayerLoaded();
+  readTimes();
   requireOk(device_.open(path.c_str()), path + ": cannot be played");
   choosePlayback();
   openStream(depth_, openni::SENSOR_DEPTH, "depth");
@@ -54,18 +76,16 @@ OniSource::OniSource(const std::string& path, double max_gap,
   const openni::PlaybackControl& playback = *device_.getPlaybackControl();
   depth_count_ = playback.getNumberOfFrames(depth_);
   colour_count_ = playback.getNumberOfFrames(colour_);
-  readTimes();
   requireOk(depth_.start(), path + ": depth does not start");
   requireOk(colour_.start(), path + ": colour does not start");
 }
 
 OniSource::~OniSource() {
-  for (openni::VideoStream* stream : {&depth_, &colour_}) {
-    stream->stop();
-    stream->destroy();
-  }
-  device_.close();
+  depth_.stop();
+  colour_.stop();
 }
+
+OniSource::PlayerRest::~PlayerRest() { std::this_thread::sleep_for(kPlayerRest); }
 
 void OniSource::choosePlayback() {
   openni::PlaybackControl* playback = device_.getPlaybackControl();

@@ -52,6 +52,14 @@ class OniSource : public FrameSource {
   OpenniSession session_;
   openni::Device device_;
   openni::VideoStream depth_, colour_;
+  /// Before the streams go, also when the constructor throws: OpenNI2 2.2 does not wait for its
+  /// player.
+  struct PlayerRest {
+    PlayerRest() = default;
+    ~PlayerRest();
+    PlayerRest(const PlayerRest&) = delete;
+    PlayerRest& operator=(const PlayerRest&) = delete;
+  } rest_;
   Camera camera_;
   bool mirrored_ = false;
   int depth_count_ = 0, colour_count_ = 0;  ///< images in the file
