@@ -61,7 +61,7 @@ function(rf_test name)
     set(ARG_LABELS unit)
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 300)
+    set(ARG_TIMEOUT 900)  # only against tests that hang: a slow machine with sanitizers needs minutes
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rf_options ${ARG_LINK} GTest::gtest_main)
