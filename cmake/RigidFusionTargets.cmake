@@ -24,12 +24,41 @@ if(RF_SANITIZE)
   target_link_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE})
 endif()
 
+# Most of a compilation is the headers of Eigen, fmt and the standard library: parsed once for all targets, once more
+# with GoogleTest for the tests. Only headers of packages belong here. Without it (RF_PRECOMPILE=OFF, and always in
+# clang-tidy) every file must still include what it uses. Sources with code generation options of their own
+# (COMPILE_OPTIONS) need SKIP_PRECOMPILE_HEADERS: the compiler refuses headers that were parsed with others.
+option(RF_PRECOMPILE "Precompile the headers of packages" ON)
+if(RF_PRECOMPILE)
+  set(precompiled <algorithm> <array> <chrono> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <map> <memory>
+    <mutex> <numbers> <optional> <random> <span> <sstream> <stdexcept> <string> <thread> <utility> <vector>
+    <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <fmt/format.h>)
+  file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp.new "// CMake needs a source file to precompile headers for.\n")
+  file(COPY_FILE ${PROJECT_BINARY_DIR}/precompiled.cpp.new ${PROJECT_BINARY_DIR}/precompiled.cpp ONLY_IF_DIFFERENT)
+  add_library(rf_precompiled_library OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(rf_precompiled_library PRIVATE rf_options fmt::fmt Eigen3::Eigen)
+  target_precompile_headers(rf_precompiled_library PRIVATE ${precompiled})
+  if(RF_BUILD_TESTS)
+    add_library(rf_precompiled_test OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+    target_link_libraries(rf_precompiled_test PRIVATE rf_options fmt::fmt Eigen3::Eigen GTest::gtest)
+    target_precompile_headers(rf_precompiled_test PRIVATE ${precompiled} <gtest/gtest.h>)
+  endif()
+endif()
+# rf_precompiled(TARGET KIND): TARGET starts from the precompiled headers of KIND, library or test.
+function(rf_precompiled target kind)
+  if(RF_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM rf_precompiled_${kind})
+    target_link_libraries(${target} PRIVATE fmt::fmt)  # its definitions must be those of the precompiled headers
+  endif()
+endfunction()
+
 # rf_library(NAME SOURCES... LINK targets...): a room of common/, alias rf::NAME.
 function(rf_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   if(ARG_SOURCES)
     add_library(rf_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(rf_${name} PUBLIC rf_options ${ARG_LINK})
+    rf_precompiled(rf_${name} library)
   else()
     add_library(rf_${name} INTERFACE)
     target_link_libraries(rf_${name} INTERFACE rf_options ${ARG_LINK})
@@ -45,6 +74,7 @@ function(rf_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rf_options ${ARG_LINK})
+  rf_precompiled(${name} library)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   add_dependencies(rf_programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION bin)
@@ -65,6 +95,7 @@ function(rf_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rf_options ${ARG_LINK} GTest::gtest_main)
+  rf_precompiled(${name} test)
   # gcc 12 sees Eigen's small vectors read out of bounds where they are not, with AVX inlined.
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
   target_compile_definitions(${name} PRIVATE
