@@ -56,7 +56,7 @@ struct CommonError {
   static constexpr double kDepthShare = 0.2;
   /// Of all blocks, along the axis, of each one's sigma: of several surfels that cover a pixel the
   /// nearest is drawn, so a young map lies before the surface (docs/HEALTH.md).
-  static constexpr double kNearerShare = 0.2;
+  static constexpr double kNearerShare = 0.1;
 };
 
 }  // namespace rf

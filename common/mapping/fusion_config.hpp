@@ -111,7 +111,7 @@ struct SurfelConfig {
   int max_surfels = 8000000;
   double radius_min_px = 0.7;
   double unstable_bias = 0.012;
-  double rim_yield = 0.015;
+  double rim_sigma = 8.5;
   double match_base_m = 0.010;
   double match_sigma = 3.0;
   double match_cos = 0.6;
@@ -137,8 +137,9 @@ struct SurfelConfig {
     v("radius_min_px", radius_min_px, 0.5, 5.0, "px", "discs are drawn at least this large");
     v("unstable_bias", unstable_bias, 0.0, 0.2, "-",
       "relative depth by which unstable surfels yield");
-    v("rim_yield", rim_yield, 0.0, 0.2, "-",
-      "relative depth by which a disc's rim yields to others");
+    v("rim_sigma", rim_sigma, 0.0, 50.0, "sigma",
+      "depth sigmas by which a disc's rim yields to others; half of that a pixel off the centre of "
+      "a new disc: 3 sqrt(2), three sigma between two surfels that were measured once");
     v("match_base_m", match_base_m, 0.001, 0.2, "m", "association: distance to the disc's plane");
     v("match_sigma", match_sigma, 0.0, 10.0, "sigma", "association: plus this many depth sigmas");
     v("match_cos", match_cos, -1.0, 1.0, "-", "association: least cosine between the normals");

@@ -91,7 +91,7 @@ void projectDiscs(const SurfelBlock& b, const View& view, const PredictOptions& 
     d.ay[k] = ny * inv;
     d.az[k] = nz * inv;
     d.r2[k] = r * r;
-    d.yield[k] = o.rim_yield * safe_z * safe_z / (r * r);
+    d.yield[k] = o.rim_sigma * o.sensor.sigma(safe_z) * safe_z / (r * r);
     d.bias[k] = b.logit[k] < o.stable_logit ? unstable : 1.0F;
     const float left = std::ceil(std::clamp(u - eu, 0.0F, umax + 1.0F));
     const float right = std::floor(std::clamp(u + eu, -1.0F, umax));
@@ -201,7 +201,8 @@ PredictOptions PredictOptions::from(const FusionConfig& config) {
   o.far_m = static_cast<float>(config.sensor.depth_max_m + 0.5);
   o.radius_min_px = static_cast<float>(config.surfels.radius_min_px);
   o.stable_logit = logit(config.surfels.stable_confidence);
-  o.rim_yield = static_cast<float>(config.surfels.rim_yield);
+  o.rim_sigma = static_cast<float>(config.surfels.rim_sigma);
+  o.sensor = SensorModel(config.sensor);
   o.unstable_bias = static_cast<float>(config.surfels.unstable_bias);
   return o;
 }

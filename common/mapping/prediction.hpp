@@ -8,6 +8,7 @@
 #include "geometry/image.hpp"
 #include "geometry/se3.hpp"
 #include "mapping/fusion_config.hpp"
+#include "mapping/sensor_model.hpp"
 #include "mapping/surfel_map.hpp"
 
 namespace rf {
@@ -34,8 +35,9 @@ struct PredictOptions {
   float radius_min_px = 0.7F;
   float stable_logit = -1.1F;
   float unstable_bias =
-      0.012F;                ///< unstable surfels are compared as if this much farther (relative)
-  float rim_yield = 0.015F;  ///< a disc's rim is compared as if this much farther than its centre
+      0.012F;              ///< unstable surfels are compared as if this much farther (relative)
+  float rim_sigma = 8.5F;  ///< a disc's rim is compared as if so many depth sigmas farther
+  SensorModel sensor{SensorConfig{}};
   float facing_cos = 0.05F;  ///< discs seen flatter than this, or from behind, are not drawn
 
   static PredictOptions from(const FusionConfig& config);

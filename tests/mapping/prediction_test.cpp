@@ -62,7 +62,8 @@ Hit bruteForce(const SurfelMap& map, const SE3& T_FC, const Camera& camera, cons
       const double off2 = (ray * z - c).squaredNorm();
       if (off2 > r * r) continue;
       const double bias = s.logit < o.stable_logit ? 1.0 - o.unstable_bias : 1.0;
-      const double dome = 1.0 - std::min(0.5, o.rim_yield * c.z() * c.z() * off2 / (r * r * z * z));
+      const double rim = o.rim_sigma * o.sensor.sigma(static_cast<float>(c.z())) / c.z();
+      const double dome = 1.0 - std::min(0.5, rim * c.z() * c.z() * off2 / (r * r * z * z));
       if (bias * dome / z <= best.compared) continue;
       best = {static_cast<std::uint32_t>(b * kBlockSize + slot), z, bias * dome / z};
     }
