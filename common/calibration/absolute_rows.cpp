@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/absolute_rows.hpp"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
 namespace rf::calibration {
 namespace {
+
+constexpr std::array<double, 9> kCorrelationTimes = {0.25, 0.5, 1, 2, 4, 8, 16, 32, 64};  ///< s
 
 SE3 errorOf(const Path& path, const PoseRow& row, const CalibrationValues& values) {
   return values.T_AX.inverse() * path.at(row.time - values.time_offset).inverse() * row.T_CX;
@@ -94,6 +97,15 @@ std::vector<NoiseComponent> AbsoluteRows::noise(const CalibrationValues& /*value
           {"rotation of each pose, rad", 9e-6, 1e-18, alone(rotation)},
           {"lasting error of position, m", 9e-6, 1e-18, lasting(translation)},
           {"lasting error of rotation, rad", 9e-6, 1e-18, lasting(rotation)}};
+}
+
+std::vector<std::unique_ptr<RowModel>> AbsoluteRows::otherForms() const {
+  std::vector<std::unique_ptr<RowModel>> out;
+  for (const double time : kCorrelationTimes) {
+    if (time == correlation_time_) continue;
+    out.push_back(std::make_unique<AbsoluteRows>(path_A_, rows_, time));
+  }
+  return out;
 }
 
 std::unique_ptr<RowModel> AbsoluteRows::subset(const std::vector<bool>& keep) const {

@@ -108,6 +108,17 @@ double traceOfProduct(const BlockTridiagonal& A, const BlockTridiagonal& B) {
   return sum;
 }
 
+Eigen::VectorXd product(const BlockTridiagonal& A, const Eigen::VectorXd& z) {
+  Eigen::VectorXd out(z.size());
+  for (std::size_t i = 0; i < A.rows(); ++i) {
+    out.segment<kBlock>(at(i)) = A.diagonal[i] * z.segment<kBlock>(at(i));
+    if (i == 0) continue;
+    out.segment<kBlock>(at(i)) += A.below[i] * z.segment<kBlock>(at(i - 1));
+    out.segment<kBlock>(at(i - 1)) += A.below[i].transpose() * z.segment<kBlock>(at(i));
+  }
+  return out;
+}
+
 Eigen::MatrixXd quadraticForm(const BlockTridiagonal& A, const Eigen::MatrixXd& Z) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
   for (std::size_t i = 0; i < A.rows(); ++i) {

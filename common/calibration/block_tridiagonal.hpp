@@ -41,6 +41,8 @@ class BlockFactor {
 
 /// Sum over all entries of A .* B, = trace(A B) for symmetric matrices.
 double traceOfProduct(const BlockTridiagonal& A, const BlockTridiagonal& B);
+/// A z for a vector of 6 * rows() entries.
+Eigen::VectorXd product(const BlockTridiagonal& A, const Eigen::VectorXd& z);
 /// Z' A Z for a matrix of 6 * rows() rows.
 Eigen::MatrixXd quadraticForm(const BlockTridiagonal& A, const Eigen::MatrixXd& Z);
 

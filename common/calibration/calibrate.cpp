@@ -24,7 +24,6 @@ constexpr double kAtRest = 0.015;       ///< m or rad in a row: nothing but nois
 constexpr double kGoodGuess = 0.4;      ///< correlation from which the guess is a start
 constexpr double kBaseline = 1.0;       ///< s of the motions in the reported errors
 constexpr double kLeastTogether = 0.5;  ///< s that both recordings must share
-constexpr std::array<double, 5> kCorrelationTimes = {0.3, 1, 3, 10, 30};  ///< s
 
 /// All that is known before a fit.
 struct Setting {
@@ -109,13 +108,27 @@ void sortByTime(std::vector<ResidualRow>* rows) {
             [](const ResidualRow& a, const ResidualRow& b) { return a.time < b.time; });
 }
 
-/// Residuals as large as the motion: the two sources do not describe one rigid body.
-void checkRelated(const CalibrationRequest& request, const RowModel& model,
-                  const std::vector<MotionRow>& rows, const Estimate& e) {
+std::vector<Vec6> motionsOf(const std::vector<MotionRow>& rows) {
   std::vector<Vec6> motions;
   motions.reserve(rows.size());
   for (const MotionRow& row : rows) motions.push_back(row.d_X.log());
-  const ErrorSize moved = sizeOf(motions);
+  return motions;
+}
+
+/// How far the poses are from the one in the middle of the recording.
+std::vector<Vec6> motionsOf(const std::vector<PoseRow>& rows) {
+  std::vector<Vec6> motions;
+  motions.reserve(rows.size());
+  const SE3 back = rows[rows.size() / 2].T_CX.inverse();
+  for (const PoseRow& row : rows) motions.push_back((back * row.T_CX).log());
+  return motions;
+}
+
+/// Residuals as large as the motion: the two sources do not describe one rigid body.
+template <class Row>
+void checkRelated(const CalibrationRequest& request, const RowModel& model,
+                  const std::vector<Row>& rows, const Estimate& e) {
+  const ErrorSize moved = sizeOf(motionsOf(rows));
   if (moved.translation < kAtRest && moved.rotation < kAtRest) return;
   const ErrorSize left = sizeOf(model.poseErrors(e.values));
   if (left.translation < kUnrelated * moved.translation ||
@@ -124,11 +137,14 @@ void checkRelated(const CalibrationRequest& request, const RowModel& model,
   }
   throw CalibrationError(fmt::format(
       "the motions of {0} and {1} have nothing in common: after the fit {2:.1f} mm and {3:.2f} "
-      "degrees per {6} s are left of {4:.1f} mm and {5:.2f} degrees that the {1} moves; are both "
-      "of one recording, rigidly connected, their clocks within the largest offset?",
+      "degrees {6} are left of {4:.1f} mm and {5:.2f} degrees that the {1} moves; are both of one "
+      "recording, rigidly connected, their clocks within the largest offset, and is the {1} what "
+      "was tracked?",
       nameOfA(request.problem), nameOfX(request.problem), 1e3 * left.translation,
       left.rotation * 180 / std::numbers::pi, 1e3 * moved.translation,
-      moved.rotation * 180 / std::numbers::pi, request.rows.interval));
+      moved.rotation * 180 / std::numbers::pi,
+      request.same_frame ? std::string("of each pose")
+                         : fmt::format("per {} s", request.rows.interval)));
 }
 
 std::vector<CalibrationValues> startsOf(const Setting& s, const SE3& closed_form) {
@@ -195,17 +211,9 @@ void fitAbsolute(const Setting& s, CalibrationResult* out) {
   checkRows(s.request, rows);
   const SE3 mean = meanTransform(*s.A, rows.fit, s.start.time_offset);
   out->prior = completed(s.request.prior, mean);
-  double memory = 0;
-  for (const double correlation_time : kCorrelationTimes) {
-    Estimate e = estimate(AbsoluteRows(s.A, rows.fit, correlation_time), startsOf(s, mean),
-                          out->prior, s.active);
-    if (memory > 0 && e.likelihood <= out->check.likelihood) continue;
-    memory = correlation_time;
-    out->check = std::move(e);
-  }
-  const auto model = [&](std::vector<PoseRow> r) {
-    return AbsoluteRows(s.A, std::move(r), memory);
-  };
+  const auto model = [&](std::vector<PoseRow> r) { return AbsoluteRows(s.A, std::move(r)); };
+  out->check = estimate(model(rows.fit), startsOf(s, mean), out->prior, s.active);
+  checkRelated(s.request, model(rows.fit), rows.fit, out->check);
   addResiduals(model(rows.fit), out->check, false, &out->residuals);
   addResiduals(model(rows.held_out), out->check, true, &out->residuals);
   compareErrors(model(usedOnes(rows.fit, out->check.used)), model(rows.held_out),
@@ -295,7 +303,7 @@ CalibrationResult calibrate(const CalibrationRequest& request, const Trajectory&
     fitRelative(s, &out);
   }
   sortByTime(&out.residuals);
-  out.refusal = refusalOf(request, out.estimate, out.motion);
+  out.refusal = refusalOf(request, out.estimate, out.motion, out.fit_after);
   addNotes(&out);
   return out;
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "calibration/noise_average.hpp"
 #include "calibration/whitened_solver.hpp"
 
 namespace rf::calibration {
@@ -22,7 +23,9 @@ constexpr int kLaterIterations = 15;      ///< in each round after
 constexpr double kMedianOfSix = 5.348;    ///< median of chi-squared with 6 degrees of freedom
 constexpr double kContradiction = 40.0;   ///< chi-squared with 6: exceeded once in two million
 constexpr double kSmallestScale = 1e-10;  ///< of variances: perfect data
-constexpr std::size_t kBlocks = 20;       ///< of the test for errors that last
+/// Twice the logarithm: forms of noise that much less likely than the best are left out.
+constexpr double kUnlikely = 40;
+constexpr std::size_t kBlocks = 20;  ///< of the test for errors that last
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
@@ -90,18 +93,24 @@ RobustFit bestFit(const RowModel& model, const std::vector<CalibrationValues>& s
   return best;
 }
 
-/// How much more the sum of scores varies over blocks of time than the model says, as a factor on
-/// the variance; 1 unless that is beyond chance.
-double wideningOf(const Eigen::VectorXd& r, const Eigen::MatrixXd& J, const ParameterMatrix& H,
-                  const Observability& observability, const ParameterVector& sigmas) {
-  const Eigen::Index rows = r.size() / 6;
-  const auto blocks = std::min<Eigen::Index>(kBlocks, rows / 4);
+/// Columns span what is observed.
+Eigen::MatrixXd observedBasis(const Observability& observability, const ParameterVector& sigmas) {
   Eigen::MatrixXd basis(kParameters, 0);
   for (const Direction& d : observability.directions) {
     if (!d.observed) continue;
     basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
     basis.col(basis.cols() - 1) = sigmas.asDiagonal() * d.vector;
   }
+  return basis;
+}
+
+/// How much more the sum of scores varies over blocks of time than the model says, as a factor on
+/// the variance; 1 unless that is beyond chance.
+double wideningOf(const Eigen::VectorXd& r, const Eigen::MatrixXd& J, const ParameterMatrix& H,
+                  const Observability& observability, const ParameterVector& sigmas) {
+  const Eigen::Index rows = r.size() / 6;
+  const auto blocks = std::min<Eigen::Index>(kBlocks, rows / 4);
+  const Eigen::MatrixXd basis = observedBasis(observability, sigmas);
   const Eigen::Index p = basis.cols();
   if (p == 0 || blocks < 4) return 1;
   const Eigen::MatrixXd whole = basis.transpose() * H * basis;
@@ -126,26 +135,40 @@ double wideningOf(const Eigen::VectorXd& r, const Eigen::MatrixXd& J, const Para
   return found / expected;
 }
 
-struct Round {
-  std::unique_ptr<RowModel> rows;
+/// One form of the noise, with its variances as far as they are known.
+struct Form {
+  const RowModel* model = nullptr;
+  std::unique_ptr<RowModel> rows;  ///< those in use
   std::vector<NoiseComponent> noise;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  double likelihood = 0;
 };
 
-/// The rows in use, with their noise at the variances that are known so far.
-Round usedRows(const RowModel& model, const Estimate& e) {
-  Round round{model.subset(e.used), {}};
-  round.noise = round.rows->noise(e.values);
-  for (std::size_t c = 0; c < round.noise.size(); ++c)
-    round.noise[c].variance = e.noise[c].variance;
-  return round;
+void evaluate(const CalibrationValues& values, const ParameterMask& active, Form* form) {
+  form->rows->evaluate(values, &form->r, &form->J);
+  for (int k = 0; k < kParameters; ++k) {
+    if (!active[static_cast<std::size_t>(k)]) form->J.col(k).setZero();
+  }
 }
 
-Eigen::MatrixXd activeColumns(const Eigen::MatrixXd& J, const ParameterMask& active) {
-  Eigen::MatrixXd out = J;
-  for (int k = 0; k < kParameters; ++k) {
-    if (!active[static_cast<std::size_t>(k)]) out.col(k).setZero();
-  }
-  return out;
+/// Variances of the form at the values, from the rows in use; `noise` has those to start from.
+void fitNoise(const Estimate& e, const ParameterMask& active, int iterations, Form* form) {
+  form->rows = form->model->subset(e.used);
+  std::vector<NoiseComponent> noise = form->rows->noise(e.values);
+  for (std::size_t c = 0; c < noise.size(); ++c) noise[c].variance = form->noise[c].variance;
+  form->noise = std::move(noise);
+  evaluate(e.values, active, form);
+  estimateVariances(form->r, form->J, iterations, &form->noise);
+  form->likelihood = restrictedLikelihood(form->r, form->J, form->noise);
+}
+
+/// The likeliest form goes first; those that can no longer matter are left out.
+void rank(std::vector<Form>* forms) {
+  std::stable_sort(forms->begin(), forms->end(),
+                   [](const Form& a, const Form& b) { return a.likelihood > b.likelihood; });
+  const double least = forms->front().likelihood - kUnlikely;
+  std::erase_if(*forms, [&](const Form& form) { return form.likelihood < least; });
 }
 
 void recordSurprise(const std::vector<double>& squares, Estimate* e) {
@@ -162,6 +185,24 @@ void rejectContradictions(Estimate* e) {
   }
 }
 
+/// Replaces values and covariance of what is observed by their mean over all that the noise may be.
+void averageOver(std::vector<Form>* forms, const CalibrationPrior& prior,
+                 const ParameterMask& active, Estimate* e) {
+  const Eigen::MatrixXd basis = observedBasis(e->observability, prior.sigmas());
+  if (basis.cols() == 0) return;
+  std::vector<NoiseForm> possible;
+  for (Form& form : *forms) {
+    evaluate(e->values, active, &form);
+    possible.push_back({form.r, form.J * basis, std::move(form.noise)});
+  }
+  const NoiseAverage average = averageOverNoise(possible);
+  e->values = plus(e->values, basis * average.change);
+  const Eigen::MatrixXd covariance =
+      e->widening * (average.covariance - average.by_noise) + average.by_noise;
+  e->covariance += basis * covariance * basis.transpose();
+  e->noise = std::move(possible.front().components);
+}
+
 }  // namespace
 
 Estimate estimate(const RowModel& model, const std::vector<CalibrationValues>& starts,
@@ -171,34 +212,40 @@ Estimate estimate(const RowModel& model, const std::vector<CalibrationValues>& s
   e.surprise.assign(model.rows(), 0);
   e.used = std::move(fit.used);
   e.values = fit.values;
-  e.noise = model.noise(e.values);
-  for (NoiseComponent& c : e.noise) c.variance *= fit.scale;
+  const std::vector<std::unique_ptr<RowModel>> others = model.otherForms();
+  std::vector<Form> forms(1 + others.size());
+  for (std::size_t f = 0; f < forms.size(); ++f) {
+    forms[f].model = f == 0 ? &model : others[f - 1].get();
+    forms[f].noise = forms[f].model->noise(e.values);
+    for (NoiseComponent& c : forms[f].noise) c.variance *= fit.scale;
+  }
   for (int k = 0; k < kRounds; ++k) {
-    Round round = usedRows(model, e);
-    Eigen::VectorXd r;
-    Eigen::MatrixXd J;
-    round.rows->evaluate(e.values, &r, &J);
-    J = activeColumns(J, active);
-    estimateVariances(r, J, k == 0 ? kFirstIterations : kLaterIterations, &round.noise);
-    const BlockFactor factor(covarianceOf(round.noise));
-    Eigen::MatrixXd W = factor.whiten(J);
+    for (Form& form : forms) {
+      fitNoise(e, active, k == 0 ? kFirstIterations : kLaterIterations, &form);
+    }
+    rank(&forms);
+    Form& best = forms.front();
+    const BlockFactor factor(covarianceOf(best.noise));
+    Eigen::MatrixXd W = factor.whiten(best.J);
     e.information = W.transpose() * W;
     e.observability = observe(e.information / e.widening, prior.sigmas(), active);
-    e.values = solveWhitened(*round.rows, factor, e.values, prior,
+    e.values = solveWhitened(*best.rows, factor, e.values, prior,
                              kHold * e.observability.prior_information, active, &e.converged);
-    round.rows->evaluate(e.values, &r, &J);
-    J = activeColumns(J, active);
-    W = factor.whiten(J);
-    const Eigen::VectorXd w = factor.whiten(r);
+    evaluate(e.values, active, &best);
+    W = factor.whiten(best.J);
+    const Eigen::VectorXd w = factor.whiten(best.r);
     e.information = W.transpose() * W;
-    e.likelihood = restrictedLikelihood(r, J, round.noise);
-    e.noise = std::move(round.noise);
     e.widening = wideningOf(w, W, e.information, e.observability, prior.sigmas());
     recordSurprise(squaredRows(w), &e);
     if (k + 1 < kRounds) rejectContradictions(&e);
   }
-  e.covariance = covarianceFrom(e.observability.observed_information,
-                                e.observability.prior_information, prior.sigmas(), active);
+  e.covariance = ParameterMatrix::Zero();
+  for (const Direction& d : e.observability.directions) {
+    if (d.observed) continue;  // keeps the prior's covariance
+    const ParameterVector v = prior.sigmas().asDiagonal() * d.vector;
+    e.covariance += v * v.transpose();
+  }
+  averageOver(&forms, prior, active, &e);
   for (NoiseComponent& c : e.noise) c.pattern = BlockTridiagonal();
   return e;
 }

@@ -15,17 +15,17 @@ struct Estimate {
   ParameterMatrix covariance = ParameterMatrix::Zero();   ///< of difference(truth, values)
   ParameterMatrix information = ParameterMatrix::Zero();  ///< of the data alone
   Observability observability;
-  std::vector<NoiseComponent> noise;  ///< estimated; patterns dropped
+  std::vector<NoiseComponent> noise;  ///< likeliest; patterns dropped
   std::vector<bool> used;             ///< rows that did not contradict the others
   std::vector<double> surprise;       ///< per row, squared normalised innovation; 6 on average
   double widening = 1;                ///< factor on the variances: errors last longer than modelled
-  double likelihood = 0;              ///< restricted, twice the logarithm
   bool converged = false;
 };
 
 /// Maximum likelihood with Ceres: first with a robust loss and nominal noise, then with the noise
-/// estimated from the residuals and all rows whitened together, rows far outside left out. The
-/// prior holds the directions that the data does not observe and acts nowhere else.
+/// estimated from the residuals and all rows whitened together, rows far outside left out; last,
+/// values and covariance averaged over what the noise may be (NoiseAverage). The prior holds the
+/// directions that the data does not observe and acts nowhere else.
 /// Of several starts the one that leads to smaller residuals is followed. Inactive parameters keep
 /// their start. Deterministic.
 Estimate estimate(const RowModel& model, const std::vector<CalibrationValues>& starts,

@@ -10,6 +10,8 @@
 namespace rf::calibration {
 namespace {
 
+constexpr double kRounding = 1e-15;  ///< of the largest eigenvalue: smaller ones are rounding
+
 std::vector<int> indicesOf(const ParameterMask& mask) {
   std::vector<int> indices;
   for (int k = 0; k < kParameters; ++k) {
@@ -29,6 +31,7 @@ Observability observe(const ParameterMatrix& information, const ParameterVector&
   const std::vector<int> indices = indicesOf(active);
   const Eigen::MatrixXd A = whitened(information, prior_sigmas)(indices, indices);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const double rounding = kRounding * std::max(0.0, eigen.eigenvalues().maxCoeff());
   Observability out;
   for (Eigen::Index k = 0; k < A.rows(); ++k) {
     Direction d;
@@ -36,11 +39,10 @@ Observability observe(const ParameterMatrix& information, const ParameterVector&
       d.vector[indices[i]] = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
     }
     d.gain = std::sqrt(std::max(0.0, eigen.eigenvalues()[k]));
-    d.observed = d.gain >= kObservedGain;
+    d.observed = d.gain >= kObservedGain && eigen.eigenvalues()[k] > rounding;
     const ParameterVector v = prior_sigmas.cwiseInverse().asDiagonal() * d.vector;
     if (d.observed) {
       out.share += d.vector.cwiseAbs2();
-      out.observed_information += eigen.eigenvalues()[k] * v * v.transpose();
     } else {
       out.prior_information += v * v.transpose();
     }

@@ -20,9 +20,8 @@ struct Direction {
 struct Observability {
   std::vector<Direction> directions;                ///< of the active parameters, weakest first
   ParameterVector share = ParameterVector::Zero();  ///< of each parameter's axis that is observed
-  /// Precision of the data in what is observed, and of the prior in what is not. They do not mix:
-  /// the directions are eigenvectors.
-  ParameterMatrix observed_information = ParameterMatrix::Zero();
+  /// Precision of the prior in what is not observed. What is does not mix with it: the directions
+  /// are eigenvectors.
   ParameterMatrix prior_information = ParameterMatrix::Zero();
 };
 

@@ -15,9 +15,16 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPartInName = 0.1;  ///< of the square, to be named
 
 std::string reasonOf(const CalibrationRequest& request, ParameterGroup group,
-                     const MotionSummary& m) {
+                     const MotionSummary& m, const ErrorSize& left) {
   const std::string A = nameOfA(request.problem);
   const std::string X = nameOfX(request.problem);
+  if (request.same_frame && group != ParameterGroup::kTime) {
+    return fmt::format(
+        "{} of the {}: every pose shows it, but after the fit {:.0f} mm and {:.1f} degrees are "
+        "left "
+        "of them: was the {} tracked, and held by the {}?",
+        name(group), X, 1e3 * left.translation, left.rotation * kDegrees, X, A);
+  }
   switch (group) {
     case ParameterGroup::kTranslation:
       if (m.turned < kLeastTurn) {
@@ -96,7 +103,7 @@ std::string directionName(Problem problem, const Direction& direction) {
 }
 
 std::string refusalOf(const CalibrationRequest& request, const Estimate& estimate,
-                      const MotionSummary& motion) {
+                      const MotionSummary& motion, const ErrorSize& left) {
   const ParameterMask active = maskOf(request.asked);
   const ParameterMatrix information = estimate.information / estimate.widening;
   std::string text;
@@ -105,7 +112,7 @@ std::string refusalOf(const CalibrationRequest& request, const Estimate& estimat
         observesAny(information, request.prior.sigmas(), active, g)) {
       continue;
     }
-    text += (text.empty() ? "" : "; ") + reasonOf(request, g, motion);
+    text += (text.empty() ? "" : "; ") + reasonOf(request, g, motion, left);
   }
   if (text.empty() && !request.prior.has_transform) text = withoutPrior(request, estimate, motion);
   return text;

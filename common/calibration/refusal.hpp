@@ -17,7 +17,7 @@ inline constexpr double kLeastTurnVariation = 0.03;   ///< rad/s
 
 /// Why the motion does not give what is asked for, naming what is missing; empty when it does.
 std::string refusalOf(const CalibrationRequest& request, const Estimate& estimate,
-                      const MotionSummary& motion);
+                      const MotionSummary& motion, const ErrorSize& left);
 
 /// A direction in words: its parameters with the largest part first.
 std::string directionName(Problem problem, const Direction& direction);

@@ -26,6 +26,10 @@ class RowModel {
                         Eigen::MatrixXd* J) const = 0;
   /// Causes of noise with a plausible variance to start from.
   virtual std::vector<NoiseComponent> noise(const CalibrationValues& values) const = 0;
+  /// The same rows under other forms of noise that are as likely beforehand; none: the form is
+  /// known. Each combines the rows in its own way, with determinant one, so that likelihoods
+  /// compare.
+  virtual std::vector<std::unique_ptr<RowModel>> otherForms() const { return {}; }
   /// The same rows without those that are not kept.
   virtual std::unique_ptr<RowModel> subset(const std::vector<bool>& keep) const = 0;
   /// Error of each row as a pose error (m, rad), without any differencing in time.

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <ceres/ceres.h>
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace rf::calibration {
@@ -161,23 +160,6 @@ CalibrationValues solveWhitened(const RowModel& model, const BlockFactor& noise,
                                 const ParameterMatrix& prior_information,
                                 const ParameterMask& active, bool* converged) {
   return solve(model, noise, false, start, prior, prior_information, active, converged);
-}
-
-ParameterMatrix covarianceFrom(const ParameterMatrix& information,
-                               const ParameterMatrix& prior_information,
-                               const ParameterVector& prior_sigmas, const ParameterMask& active) {
-  const ParameterMatrix A =
-      prior_sigmas.asDiagonal() * (information + prior_information) * prior_sigmas.asDiagonal();
-  std::vector<int> indices;
-  for (int k = 0; k < kParameters; ++k) {
-    if (active[static_cast<std::size_t>(k)]) indices.push_back(k);
-  }
-  const Eigen::MatrixXd part = A(indices, indices);
-  const Eigen::MatrixXd inverse =
-      part.ldlt().solve(Eigen::MatrixXd::Identity(part.rows(), part.cols()));
-  ParameterMatrix covariance = ParameterMatrix::Zero();
-  covariance(indices, indices) = 0.5 * (inverse + inverse.transpose());
-  return prior_sigmas.asDiagonal() * covariance * prior_sigmas.asDiagonal();
 }
 
 }  // namespace rf::calibration

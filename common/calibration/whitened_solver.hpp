@@ -18,9 +18,4 @@ CalibrationValues solveWhitened(const RowModel& model, const BlockFactor& noise,
                                 const ParameterMatrix& prior_information,
                                 const ParameterMask& active, bool* converged);
 
-/// Inverse of the sum of both precisions over the active parameters; zero elsewhere.
-ParameterMatrix covarianceFrom(const ParameterMatrix& information,
-                               const ParameterMatrix& prior_information,
-                               const ParameterVector& prior_sigmas, const ParameterMask& active);
-
 }  // namespace rf::calibration

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "calibration/noise_average.hpp"
 #include "calibration/noise_components.hpp"
 #include "simulation/random.hpp"
 
@@ -100,6 +101,73 @@ TEST(NoiseComponents, VariancesOfDrawnErrorsAreFound) {
   // for two that compete).
   EXPECT_NEAR(found[0].variance, kAlone, 0.15 * kAlone);
   EXPECT_NEAR(found[1].variance, kWalk, 0.2 * kWalk);
+}
+
+/// Rows of independent errors of one standard deviation.
+NoiseForm independentRows(std::size_t rows, Eigen::Index parameters, sim::Random* random) {
+  NoiseForm form;
+  form.r = randomMatrix(static_cast<Eigen::Index>(6 * rows), 1, random);
+  form.J = randomMatrix(static_cast<Eigen::Index>(6 * rows), parameters, random);
+  BlockTridiagonal K(rows);
+  for (Mat6& block : K.diagonal) block.setIdentity();
+  form.components.push_back({"alone", 1, 1e-18, K});
+  estimateVariances(form.r, form.J, 20, &form.components);
+  return form;
+}
+
+TEST(NoiseAverage, OfOneVarianceIsStudents) {
+  sim::Random random(7);
+  for (const std::size_t rows : {3, 10, 200}) {
+    const NoiseForm form = independentRows(rows, 2, &random);
+    const Eigen::Matrix2d H = form.J.transpose() * form.J;
+    const Eigen::Vector2d x = -H.ldlt().solve(form.J.transpose() * form.r);
+    // With a flat prior of the standard deviation: Student's t with one degree of freedom less
+    // than there are residuals left over.
+    const double left = static_cast<double>(form.r.size()) - 2;
+    const Eigen::Matrix2d expected =
+        (form.r + form.J * x).squaredNorm() / (left - 3) * Eigen::Matrix2d(H.inverse());
+    const NoiseAverage average = averageOverNoise({form});
+    EXPECT_LT((average.change - x).norm(), 1e-9);
+    EXPECT_LT((average.covariance - expected).norm(), 0.06 * expected.norm()) << rows << " rows";
+    EXPECT_LT(average.by_noise.norm(), 1e-12) << "the mean does not depend on one variance";
+  }
+}
+
+TEST(NoiseAverage, FormsCountByTheirLikelihood) {
+  sim::Random random(8);
+  const NoiseForm right = independentRows(60, 2, &random);
+  NoiseForm wrong = right;  // says that errors of every other row are three times larger
+  for (std::size_t i = 0; i < 60; i += 2) wrong.components[0].pattern.diagonal[i] *= 9;
+  estimateVariances(wrong.r, wrong.J, 20, &wrong.components);
+  const NoiseAverage one = averageOverNoise({right});
+  const NoiseAverage both = averageOverNoise({right, wrong});
+  EXPECT_GT(both.weights[0], 0.999);
+  EXPECT_LT((both.covariance - one.covariance).norm(), 1e-3 * one.covariance.norm());
+  const NoiseAverage same = averageOverNoise({right, right});
+  EXPECT_NEAR(same.weights[0], 0.5, 1e-9);
+}
+
+TEST(NoiseAverage, TheSpreadBetweenFormsIsPartOfTheCovariance) {
+  sim::Random random(9);
+  // Two rows about one parameter each that contradict each other: whom to believe is not known.
+  NoiseForm a = independentRows(20, 1, &random);
+  a.J.setOnes();
+  a.r.head(60).array() += 2;
+  a.r.tail(60).array() -= 2;
+  NoiseForm b = a;
+  for (std::size_t i = 0; i < 10; ++i) {
+    a.components[0].pattern.diagonal[i] *= 9;
+    b.components[0].pattern.diagonal[10 + i] *= 9;
+  }
+  estimateVariances(a.r, a.J, 20, &a.components);
+  estimateVariances(b.r, b.J, 20, &b.components);
+  const NoiseAverage average = averageOverNoise({a, b});
+  const double of_a = averageOverNoise({a}).change[0];
+  const double of_b = averageOverNoise({b}).change[0];
+  ASSERT_GT(std::abs(of_a - of_b), 1);
+  const double w = average.weights[0];
+  EXPECT_NEAR(average.change[0], w * of_a + (1 - w) * of_b, 1e-9);
+  EXPECT_NEAR(average.by_noise(0, 0), w * (1 - w) * std::pow(of_a - of_b, 2), 1e-9);
 }
 
 }  // namespace

@@ -95,6 +95,29 @@ TEST(AbsoluteRows, DerivativesAgreeWithDifferences) {
   expectDerivatives(model, plus(truth, ParameterVector::Constant(0.01)), false);
 }
 
+TEST(AbsoluteRows, OtherFormsTellHowLongErrorsLast) {
+  // Errors that are forgotten over two seconds: times near it must be likelier than far ones.
+  const CalibrationValues truth{someGrip(), 0, 1, 1};
+  const Recording recording = simulateGrasp(truth, 60, 0, 0.001, 0.004, 4);
+  const std::int64_t origin = recording.X.front().utime;
+  const auto A = std::make_shared<const Path>(recording.A, origin, "A");
+  const PoseRows rows = poseRows(*A, Path(recording.X, origin, "X"), 0, RowOptions());
+  const AbsoluteRows model(A, rows.fit, 2);
+  const auto likelihood = [&](const RowModel& form) {
+    Eigen::VectorXd r;
+    Eigen::MatrixXd J;
+    form.evaluate(truth, &r, &J);
+    std::vector<NoiseComponent> noise = form.noise(truth);
+    estimateVariances(r, J.leftCols<6>(), 40, &noise);
+    return restrictedLikelihood(r, J.leftCols<6>(), noise);
+  };
+  const auto others = model.otherForms();
+  ASSERT_GE(others.size(), 5U);
+  EXPECT_GT(likelihood(model), likelihood(*others.front()) + 6);
+  EXPECT_GT(likelihood(model), likelihood(*others.back()) + 2);
+  for (const auto& form : others) EXPECT_EQ(form->rows(), model.rows());
+}
+
 TEST(RelativeRows, OfTheTruthAreZero) {
   const CalibrationValues truth{someCamera(), 0.043, 1.03, 0.98};
   const Recording recording = simulateDrive(Drive::kLively, truth, 20, DriveNoise::none(), 4);
