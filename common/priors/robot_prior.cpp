@@ -221,7 +221,7 @@ bool RobotPrior::covers(std::int64_t utime) const {
 std::vector<std::string> RobotPrior::complaints() const {
   std::vector<std::string> out;
   if (!config_.fixed_base && odometry_.counts().accepted == 0)
-    out.push_back("no odometry: camera priors are missing (fixed_base says that there is none)");
+    out.emplace_back("no odometry: camera priors are missing (fixed_base says that there is none)");
   for (const std::string& joint : joints_.unseen()) {
     const auto needs = [&](const std::vector<std::string>& joints) {
       return std::find(joints.begin(), joints.end(), joint) != joints.end();
