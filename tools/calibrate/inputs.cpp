@@ -141,6 +141,9 @@ void readRobot(const CalibrateOptions& options, CalibrateInput* input) {
     request.prior.has_transform = true;
     input->notes.emplace_back("the prior of the transform is the URDF's");
   }
+  if (options.problem == Problem::kGrasp && robot.held.empty()) {
+    input->notes.emplace_back("there is no grasp.csv: the object is taken as held all the time");
+  }
   if (robot.held.empty()) return;
   const auto before = input->X.size();
   std::erase_if(input->X, [&](const StampedPose& p) {
@@ -148,8 +151,10 @@ void readRobot(const CalibrateOptions& options, CalibrateInput* input) {
       return p.utime > span.first && p.utime < span.second;
     });
   });
-  input->notes.push_back(fmt::format("{} of {} object poses are of times at which it is held",
-                                     input->X.size(), before));
+  const std::string note = fmt::format("{} of {} object poses are of times at which it is held",
+                                       input->X.size(), before);
+  if (input->X.empty()) throw DatasetError(options.robot + "/grasp.csv: " + note);
+  input->notes.push_back(note);
 }
 
 }  // namespace

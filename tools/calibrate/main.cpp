@@ -60,7 +60,8 @@ void addMoving(CLI::App* sub, const char* option, const char* what, CalibrateOpt
   CLI::Option_group* source = sub->add_option_group("source", "what moves");
   source->add_option(option, o->moving, what);
   source->add_option("--robot", o->robot,
-                     "Robot folder (robot.yaml, robot.urdf, odometry.txt, joints.csv) instead");
+                     "Robot folder (robot.yaml, robot.urdf, odometry.txt or twist.csv, joints.csv) "
+                     "instead");
   source->require_option(1);
 }
 

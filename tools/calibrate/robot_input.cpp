@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -34,6 +36,59 @@ RobotModel readModel(const fs::path& path) {
   return RobotModel::fromUrdf(text, path.string());
 }
 
+/// Poses of the base by its odometry, raw: T_WB, or twists integrated as RobotPrior does (between
+/// two samples their mean holds).
+Trajectory baseMotion(const fs::path& folder) {
+  const fs::path poses = folder / "odometry.txt";
+  const fs::path twists = folder / "twist.csv";
+  if (fs::exists(poses) && fs::exists(twists)) {
+    throw DatasetError(
+        fmt::format("{} and {}: only one may be there", poses.string(), twists.string()));
+  }
+  if (!fs::exists(twists)) return readTrajectory(poses.string());
+  Trajectory out;
+  PlanarTwist before;
+  for (const auto& [utime, twist] : readTwists(twists.string())) {
+    SE3 pose;
+    if (!out.empty()) {
+      const PlanarTwist mean{0.5 * (before.vx + twist.vx), 0.5 * (before.vy + twist.vy),
+                             0.5 * (before.wz + twist.wz)};
+      pose = out.back().pose * arc(mean, 1e-6 * static_cast<double>(utime - out.back().utime));
+    }
+    out.push_back({utime, pose});
+    before = twist;
+  }
+  return out;
+}
+
+/// A joints.csv with what is said of it.
+struct Joints {
+  std::string path;
+  JointTable table;
+};
+
+Joints readJointsOf(const fs::path& folder) {
+  const std::string path = (folder / "joints.csv").string();
+  return {path, fs::exists(path) ? readJoints(path) : JointTable()};
+}
+
+/// Throws unless there is a row, with every joint between the two links.
+void needJoints(const RobotModel& model, const Joints& joints, const std::string& a,
+                const std::string& b) {
+  const std::vector<std::string>& known = joints.table.joints;
+  for (const std::string& joint : model.jointsBetween(a, b)) {
+    if (joints.table.rows.empty()) {
+      throw DatasetError(
+          fmt::format("{}: {}, but the pose of {} in {} depends on joint {}", joints.path,
+                      fs::exists(joints.path) ? "has no row" : "is missing", b, a, joint));
+    }
+    if (std::find(known.begin(), known.end(), joint) == known.end()) {
+      throw DatasetError(fmt::format("{}: column {} is missing, the pose of {} in {} depends on it",
+                                     joints.path, joint, b, a));
+    }
+  }
+}
+
 JointPositions positionsOf(const JointTable& table, const JointTable::Row& row) {
   JointPositions q;
   for (std::size_t k = 0; k < table.joints.size(); ++k) q[table.joints[k]] = row.positions[k];
@@ -41,46 +96,45 @@ JointPositions positionsOf(const JointTable& table, const JointTable::Row& row) 
 }
 
 /// T_AB over the rows of the table.
-Trajectory along(const RobotModel& model, const JointTable& table, const std::string& a,
+Trajectory along(const RobotModel& model, const Joints& joints, const std::string& a,
                  const std::string& b) {
+  needJoints(model, joints, a, b);
   Trajectory out;
-  out.reserve(table.rows.size());
-  for (const JointTable::Row& row : table.rows) {
-    out.push_back({row.utime, model.T_AB(a, b, positionsOf(table, row))});
+  out.reserve(joints.table.rows.size());
+  for (const JointTable::Row& row : joints.table.rows) {
+    out.push_back({row.utime, model.T_AB(a, b, positionsOf(joints.table, row))});
   }
   return out;
 }
 
-/// T_AB when no joint between moves; `table` may be empty when there is no joint at all.
-SE3 fixedPose(const RobotModel& model, const JointTable& table, const std::string& a,
+/// T_AB when no joint between moves; there may be no joints.csv when there is no joint at all.
+SE3 fixedPose(const RobotModel& model, const Joints& joints, const std::string& a,
               const std::string& b) {
-  const std::vector<std::string> joints = model.jointsBetween(a, b);
-  if (joints.empty()) return model.T_AB(a, b, {});
-  if (table.rows.empty()) {
-    throw DatasetError(fmt::format("joints.csv: has no row, but {} depends on {}", b, joints[0]));
-  }
-  for (const std::string& joint : joints) {
-    double low = std::numeric_limits<double>::infinity();
-    double high = -low;
-    for (const JointTable::Row& row : table.rows) {
-      const JointPositions q = positionsOf(table, row);
-      const auto at = q.find(joint);
-      if (at == q.end()) throw DatasetError("joints.csv: column " + joint + " is missing");
-      low = std::min(low, at->second);
-      high = std::max(high, at->second);
+  needJoints(model, joints, a, b);
+  const std::vector<std::string> between = model.jointsBetween(a, b);
+  if (between.empty()) return model.T_AB(a, b, {});
+  const std::vector<JointTable::Row>& rows = joints.table.rows;
+  for (const std::string& joint : between) {
+    const std::vector<std::string>& known = joints.table.joints;
+    const auto column =
+        static_cast<std::size_t>(std::find(known.begin(), known.end(), joint) - known.begin());
+    double low = rows.front().positions[column];
+    double high = low;
+    for (const JointTable::Row& row : rows) {
+      low = std::min(low, row.positions[column]);
+      high = std::max(high, row.positions[column]);
     }
     if (high - low > kStill) {
       throw DatasetError(
-          fmt::format("joints.csv: {} moves by {:.4f} between {} and {}: must stay still within {}",
-                      joint, high - low, a, b, kStill));
+          fmt::format("{}: {} moves by {:.4f} between {} and {}: must stay still within {}",
+                      joints.path, joint, high - low, a, b, kStill));
     }
   }
-  return model.T_AB(a, b, positionsOf(table, table.rows.front()));
+  return model.T_AB(a, b, positionsOf(joints.table, rows.front()));
 }
 
 std::vector<std::pair<std::int64_t, std::int64_t>> heldTimes(const fs::path& path) {
   std::vector<std::pair<std::int64_t, std::int64_t>> held;
-  if (!fs::exists(path)) return held;
   bool holding = false;
   for (const Grasp& grasp : readGrasps(path.string())) {
     if (grasp.held && !holding) {
@@ -89,11 +143,11 @@ std::vector<std::pair<std::int64_t, std::int64_t>> heldTimes(const fs::path& pat
     if (!grasp.held && holding) held.back().second = grasp.utime;
     holding = grasp.held;
   }
+  if (held.empty()) {
+    throw DatasetError(path.string() +
+                       ": no row has held = 1: a grasp is calibrated while the object is held");
+  }
   return held;
-}
-
-JointTable jointsIfThere(const fs::path& path) {
-  return fs::exists(path) ? readJoints(path.string()) : JointTable();
 }
 
 void needGripper(const RobotConfig& robot, const std::string& folder) {
@@ -110,14 +164,13 @@ RobotInput readRobotInput(const std::string& folder, Problem problem) {
   const fs::path root(folder);
   const RobotModel model = readModel(root / robot.urdf);
   RobotInput input;
+  const Joints joints = readJointsOf(root);
   if (problem == Problem::kOdometry) {
-    input.moving = readTrajectory((root / "odometry.txt").string());
-    input.extrinsic =
-        fixedPose(model, jointsIfThere(root / "joints.csv"), robot.base_link, robot.camera_link);
+    input.moving = baseMotion(root);
+    input.extrinsic = fixedPose(model, joints, robot.base_link, robot.camera_link);
     return input;
   }
   needGripper(robot, folder);
-  const JointTable joints = readJoints((root / "joints.csv").string());
   if (problem == Problem::kHandEye) {
     input.moving = along(model, joints, robot.base_link, robot.gripper_link);
     if (model.jointsBetween(robot.gripper_link, robot.camera_link).empty()) {
@@ -126,7 +179,7 @@ RobotInput readRobotInput(const std::string& folder, Problem problem) {
     return input;
   }
   input.moving = along(model, joints, robot.camera_link, robot.gripper_link);
-  input.held = heldTimes(root / "grasp.csv");
+  if (fs::exists(root / "grasp.csv")) input.held = heldTimes(root / "grasp.csv");
   return input;
 }
 
