@@ -6,7 +6,9 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "simulation/arm_motion.hpp"
 #include "simulation/builder.hpp"
@@ -36,6 +38,7 @@ struct CarryPlan {
   double grasp_time = 0;   ///< the fingers are closed then
   double lift = 0;         ///< metres upwards after the grasp
   Profile pan, tilt;       ///< of the head, radians
+  bool tucked = false;     ///< the arm keeps the carton behind the base, out of the view
 };
 
 /// The gripper in the carton's frame: fingers along the approach, opening along the carton's x.
@@ -75,8 +78,16 @@ void unwind(JointPositions& q) {
   for (auto& [name, value] : q) value = std::remainder(value, 2 * std::numbers::pi);
 }
 
+/// The arm turned to the back: camera and carton do not see each other.
+JointPositions tuckedJoints() {
+  return {{"head_pan", 0}, {"head_tilt", 0.18}, {"arm_1", -2.6},
+          {"arm_2", 1.3},  {"arm_3", 0.6},      {"arm_4", 0},
+          {"arm_5", 0.9},  {"arm_6", 0},        {"finger", kCartonHalf.x()}};
+}
+
 /// The joints of the whole scene: head by its profiles, arm by inverse kinematics.
 JointTrack jointTrack(const RobotModel& model, const CarryPlan& plan, double seconds) {
+  if (plan.tucked) return {kTrackRate, {tuckedJoints()}};
   JointPositions usual = initialGuess();
   const SE3 T_BC = model.T_AB(kBaseLink, kCameraLink, usual);
   const SE3 T_OG = graspOf(plan);
@@ -176,6 +187,59 @@ CarryPlan headPlan() {
   return plan;
 }
 
+/// Stands and waves the carton about all axes, so far away that most of the view is room.
+CarryPlan graspPlan() {
+  CarryPlan plan = omniPlan();
+  plan.speeds = {Profile({{0, 0}}), Profile({{0, 0}}), Profile({{0, 0}})};
+  plan.distance = Profile({{1.0, 0.74},
+                           {5.0, 0.62},
+                           {9.0, 0.76},
+                           {13.0, 0.64},
+                           {17.0, 0.76},
+                           {21.0, 0.62},
+                           {25.0, 0.74},
+                           {28.0, 0.66}});
+  plan.effort = Profile({{1.0, 0}, {2.0, 1}, {28.0, 1}, {29.0, 0}});
+  plan.wave = {0.07, 0.05, 0.45};
+  return plan;
+}
+
+/// Circles to the left, the right, the left, with slower parts and stops, then forth and back.
+CarryPlan drivePlan() {
+  CarryPlan plan = omniPlan();
+  plan.tucked = true;
+  plan.start = bodyPose({-0.2, 0.0}, 0.0);
+  std::vector<std::pair<double, double>> ahead;
+  std::vector<std::pair<double, double>> turning;
+  for (int k = 0; k < 3; ++k) {
+    const double t = 15.5 * k;
+    const double side = k == 1 ? -1 : 1;
+    for (const auto& [after, v] : {std::pair{1.0, 0.0},
+                                   {2.0, 0.28},
+                                   {6.5, 0.28},
+                                   {8.0, 0.14},
+                                   {9.5, 0.30},
+                                   {14.5, 0.28},
+                                   {16.0, 0.0}}) {
+      ahead.emplace_back(t + after, v);
+    }
+    for (const auto& [after, w] : {std::pair{1.2, 0.0}, {3.0, 0.46}, {14.0, 0.46}, {16.2, 0.0}}) {
+      turning.emplace_back(t + after, side * w);
+    }
+  }
+  for (const auto& [t, v] : {std::pair{47.5, 0.0},
+                             {48.5, 0.25},
+                             {50.5, 0.25},
+                             {51.5, 0.0},
+                             {53.0, -0.25},
+                             {55.0, -0.25},
+                             {56.5, 0.0}}) {
+    ahead.emplace_back(t, v);
+  }
+  plan.speeds = {Profile(ahead), Profile({{0, 0}}), Profile(turning)};
+  return plan;
+}
+
 int materialOf(Builder& b, RobotLook look) {
   switch (look) {
     case RobotLook::kShell:
@@ -231,10 +295,14 @@ void drive(World& world, std::shared_ptr<const Manipulator> robot) {
 }  // namespace
 
 void buildCarryScene(World& world, const std::string& scene, std::uint64_t seed) {
-  if (!scene.starts_with("carry_")) return;
-  const CarryPlan plan = scene == "carry_diff"   ? diffPlan()
-                         : scene == "carry_head" ? headPlan()
-                                                 : omniPlan();
+  static const std::map<std::string, CarryPlan (*)()> kPlans = {{"carry_omni", omniPlan},
+                                                                {"carry_diff", diffPlan},
+                                                                {"carry_head", headPlan},
+                                                                {"calibrate_drive", drivePlan},
+                                                                {"calibrate_grasp", graspPlan}};
+  const auto found = kPlans.find(scene);
+  if (found == kPlans.end()) return;
+  const CarryPlan plan = found->second();
   const double seconds = world.frames / kFrameRate;
   const double slip = plan.omnidirectional ? 0.0 : kLateralSlip;
   const auto base = std::make_shared<BaseTrack>(plan.start, plan.speeds, slip, seconds);

@@ -267,6 +267,8 @@ const std::vector<SceneInfo>& scenes() {
           {"carry_head", "a robot carries a carton and looks about with its pan-tilt head"}}) {
       out.push_back({name, 450, summary});
     }
+    out.push_back({"calibrate_drive", 1800, "a robot drives circles, its arm out of the view"});
+    out.push_back({"calibrate_grasp", 900, "a robot stands and turns a carton about all axes"});
     return out;
   }();
   return kScenes;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -168,6 +169,57 @@ TEST_P(CarryScene, WheelsDriftButFollow) {
 INSTANTIATE_TEST_SUITE_P(Carry, CarryScene,
                          testing::Values("carry_omni", "carry_diff", "carry_head"),
                          [](const auto& param) { return std::string(param.param); });
+
+/// Sums of turning over a motion in steps of a tenth of a second: to the left and to the right
+/// about z, and about all axes.
+struct Turning {
+  double left = 0, right = 0, all = 0;
+};
+
+Turning turningOf(const std::function<SE3(double)>& pose, double seconds) {
+  Turning out;
+  for (double t = 0; t < seconds; t += 0.1) {
+    const Vec3 w = (pose(t).inverse() * pose(t + 0.1)).log().tail<3>();
+    (w.z() > 0 ? out.left : out.right) += std::abs(w.z());
+    out.all += w.norm();
+  }
+  return out;
+}
+
+TEST(CalibrationScenes, DriveTurnsToBothSidesWithTheCartonOutOfView) {
+  const World world = buildWorld("calibrate_drive", 1);
+  const Manipulator& robot = *world.robot;
+  const double seconds = world.frames / kFrameRate;
+  EXPECT_GE(seconds, 60);
+  const Turning turning = turningOf(robot.base_at, seconds);
+  EXPECT_GT(turning.left, 300 * kDegree);
+  EXPECT_GT(turning.right, 300 * kDegree);
+  double travelled = 0;
+  for (double t = 0; t < seconds; t += 0.1) {
+    travelled += (robot.base_at(t + 0.1).t - robot.base_at(t).t).norm();
+    const Vec3 place = robot.base_at(t).t;
+    EXPECT_LT(std::max(std::abs(place.x()), std::abs(place.y())), 1.5) << "away from furniture";
+    const SE3 T_CO = robot.cameraAt(t).inverse() * robot.objectAt(t);
+    ASSERT_LT(T_CO.t.z(), -0.2) << "the carton must stay behind the camera";
+  }
+  EXPECT_GT(travelled, 8);
+  EXPECT_EQ(robot.joints_at(0), robot.joints_at(seconds)) << "the camera is fixed on the base";
+}
+
+TEST(CalibrationScenes, GraspTurnsTheCartonBeforeAStandingCamera) {
+  const World world = buildWorld("calibrate_grasp", 1);
+  const Manipulator& robot = *world.robot;
+  const double seconds = world.frames / kFrameRate;
+  EXPECT_EQ(robot.cameraAt(0), robot.cameraAt(seconds));
+  const auto carton = [&](double t) { return robot.cameraAt(t).inverse() * robot.objectAt(t); };
+  const Turning turning = turningOf(carton, seconds);
+  EXPECT_GT(turning.all, 300 * kDegree);
+  EXPECT_GT(turning.all, 1.2 * (turning.left + turning.right)) << "about more than one axis";
+  for (double t = 0; t < seconds; t += 0.1) {
+    EXPECT_GT(carton(t).t.z(), 0.6);
+    EXPECT_LT(carton(t).t.z(), 0.95);
+  }
+}
 
 TEST(JointEncoders, StepAndKeepTheirOffsets) {
   const EncoderModel model;
