@@ -17,6 +17,7 @@ namespace {
 
 using namespace testing;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Group = ParameterGroup;
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -193,6 +194,22 @@ TEST(HandEye, WithoutTurningIsRefused) {
   const Recording r = simulateArm(Reach::kSliding, kHeld, 40, 0.0005, DriveNoise(), 3);
   EXPECT_THAT(calibrate(armRequest(), r.A, r.X).refusal,
               HasSubstr("translation of the camera: the arm turned by"));
+}
+
+TEST(Grasp, PosesThatDoNotFollowTheGripperAreNamed) {
+  const Recording one = simulateGrasp(kHeld, 30, 0.0005, 0.002, 0.001, 1);
+  Recording other = simulateGrasp(kHeld, 30, 0.0005, 0.002, 0.001, 2);
+  CalibrationRequest request = armRequest();
+  request.problem = Problem::kGrasp;
+  request.same_frame = true;
+  std::string said;
+  try {
+    said = calibrate(request, one.A, other.X).refusal;
+  } catch (const CalibrationError& e) {
+    said = e.what();
+  }
+  EXPECT_THAT(said, HasSubstr("tracked"));
+  EXPECT_THAT(said, Not(HasSubstr("turn more")));
 }
 
 // --- bad input ---
