@@ -98,6 +98,7 @@ void drawLegend(Canvas& canvas) {
   canvas.text({x + 10, 57}, "left out", 12, kBlack);
   canvas.rectangle({x + 90, 45, 14, 14}, kShade, true);
   canvas.text({x + 110, 57}, "held out of the fit", 12, kBlack);
+  canvas.text({x + 290, 57}, "(on the frame: beyond it)", 12, kBlack);
 }
 
 }  // namespace
@@ -106,8 +107,8 @@ cv::Mat residualPlot(const CalibrationResult& result) {
   Canvas canvas(kWidth, kHeight);
   const std::vector<ResidualRow>& rows = result.residuals;
   canvas.text({80, 30},
-              result.baseline > 0 ? "What the calibration leaves of each motion"
-                                  : "What the calibration leaves of each pose",
+              fmt::format("What the calibration leaves of each {}, in the axes of the {}",
+                          result.baseline > 0 ? "motion" : "pose", nameOfX(result.problem)),
               16, kBlack);
   drawLegend(canvas);
   if (rows.size() < 2) return canvas.finish();
