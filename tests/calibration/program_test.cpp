@@ -255,6 +255,35 @@ TEST(RfCalibrateRobot, GraspIsFittedWhileTheObjectIsHeld) {
   EXPECT_NEAR(found[7], truth.time_offset, 0.004);
 }
 
+TEST(RfCalibrateRobot, PosesThatAreNotTrackedAreNoMeasurement) {
+  const TempFolder folder;
+  const Recording r = simulateGrasp({someGrip(), 0, 1, 1}, 10, 0, 0.001, 0.001, 1);
+  writeRobot(folder);
+  writeChain(folder, r.A);
+  std::filesystem::create_directories(folder / "result");
+  Trajectory still = r.X;
+  for (StampedPose& p : still) p.pose = SE3();
+  save(folder, "result/object.txt", r.X);
+  save(folder, "result/camera.txt", still);
+  const auto states = [&](const char* health) {
+    std::string out =
+        "timestamp,body,health,c00,c01,c02,c03,c04,c05,c11,c12,c13,c14,c15,c22,c23,c24,c25,c33,"
+        "c34,c35,c44,c45,c55\n";
+    for (const StampedPose& p : r.X) {
+      out +=
+          seconds(p.utime) + ",object," + health + ",1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1\n";
+    }
+    folder.write("result/covariance.csv", out);
+  };
+  const std::string line = "grasp --robot " + (folder / "robot") + " --object " +
+                           (folder / "result") + " --output " + (folder / "out");
+  states("degraded");
+  EXPECT_EQ(run(folder, line), 4);
+  EXPECT_THAT(text(folder / "stderr"), HasSubstr("object.txt: none of 301 poses is tracked"));
+  states("tracked");
+  EXPECT_EQ(run(folder, line), 0) << text(folder / "stderr");
+}
+
 TEST(RfCalibrateRobot, HandEyeFollowsTheJoints) {
   const TempFolder folder;
   const CalibrationValues truth{someGrip(), 0.03, 1, 1};

@@ -88,6 +88,12 @@ Trajectory trackedOnes(const Trajectory& poses, const PoseCovariances& states,
   for (const StampedPose& p : poses) {
     if (!bad.contains(p.utime)) out.push_back(p);
   }
+  if (out.empty() && !poses.empty()) {
+    throw DatasetError(
+        fmt::format("{}: none of {} poses is tracked (covariance.csv): without a "
+                    "measured pose there is nothing to calibrate from",
+                    path, poses.size()));
+  }
   if (out.size() < poses.size()) {
     notes->push_back(fmt::format("{}: {} of {} poses are not tracked and were left out", path,
                                  poses.size() - out.size(), poses.size()));
