@@ -12,7 +12,6 @@ namespace rf::calibration {
 namespace {
 
 constexpr double kTwistHalfWindow = 0.05;  ///< s; bridges the noise of single samples
-constexpr double kUnitTolerance = 1e-2;
 
 void check(const Trajectory& trajectory, std::size_t i, const std::string& source) {
   const StampedPose& p = trajectory[i];
@@ -21,7 +20,7 @@ void check(const Trajectory& trajectory, std::size_t i, const std::string& sourc
     throw CalibrationError(
         fmt::format("{}: pose {} at {:.6f} s: must be finite", source, i, seconds));
   }
-  if (!(std::abs(p.pose.q.norm() - 1.0) <= kUnitTolerance)) {
+  if (!(std::abs(p.pose.q.norm() - 1.0) <= kUnitQuaternionTolerance)) {
     throw CalibrationError(fmt::format("{}: pose {} at {:.6f} s: quaternion length = {}: must be 1",
                                        source, i, seconds, p.pose.q.norm()));
   }

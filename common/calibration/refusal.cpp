@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,7 +10,6 @@
 namespace rf::calibration {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPartInName = 0.1;  ///< of the square, to be named
 
 std::string reasonOf(const CalibrationRequest& request, ParameterGroup group,

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -11,8 +10,6 @@
 
 namespace rf::calibration {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// How a parameter is shown.
 struct Unit {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ class CalibrationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+inline constexpr double kDegrees = 180.0 / std::numbers::pi;  ///< of one radian
 
 /// What a calibration can estimate. A is the body whose poses come with their own clock and scale
 /// (the base by its wheels, the gripper by its joints), X the body that is seen (camera, object).

@@ -34,10 +34,6 @@ std::string rowOf(std::int64_t utime, const char* body, const BodyPose& pose) {
   return row;
 }
 
-[[noreturn]] void refuse(const std::string& path, const TextLine& line, const std::string& rule) {
-  throw DatasetError(fmt::format("{}:{}: {}", path, line.number, rule));
-}
-
 Health parseHealth(const std::string& path, const TextLine& line, const std::string& word) {
   for (const Health h : kStates) {
     if (word == name(h)) return h;

@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::size_t kMaxJoints = 1000;
 
-[[noreturn]] void refuse(const std::string& path, const TextLine& line, const std::string& rule) {
-  throw DatasetError(fmt::format("{}:{}: {}", path, line.number, rule));
-}
-
 double finite(const std::string& path, const TextLine& line, const std::string& column,
               const std::string& word) {
   const std::optional<double> value = parseDouble(word);

@@ -69,6 +69,10 @@ std::vector<TextLine> readTextLines(const std::string& path) {
   return lines;
 }
 
+void refuse(const std::string& path, const TextLine& line, const std::string& rule) {
+  throw DatasetError(fmt::format("{}:{}: {}", path, line.number, rule));
+}
+
 std::optional<double> parseDouble(std::string_view word) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   double value = 0;

@@ -20,6 +20,9 @@ struct TextLine {
 /// read or is larger than 256 MiB.
 std::vector<TextLine> readTextLines(const std::string& path);
 
+/// Throws DatasetError "PATH:LINE: rule".
+[[noreturn]] void refuse(const std::string& path, const TextLine& line, const std::string& rule);
+
 /// The whole word as a number, or nothing. NaN and infinities are numbers here.
 std::optional<double> parseDouble(std::string_view word);
 

@@ -12,10 +12,6 @@
 namespace rf {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const TextLine& line, const std::string& rule) {
-  throw DatasetError(fmt::format("{}:{}: {}", path, line.number, rule));
-}
-
 SE3 parsePose(const std::string& path, const TextLine& line) {
   static constexpr std::array<const char*, 7> kNames = {"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
   std::array<double, 7> values{};

@@ -9,10 +9,6 @@
 
 namespace rf {
 
-/// Quaternions further than this from unit length are refused; nearer ones are normalised (files
-/// with four decimals are off by up to 1e-4).
-inline constexpr double kUnitQuaternionTolerance = 1e-2;
-
 /// Reads a trajectory in TUM text: `timestamp tx ty tz qx qy qz qw` per line, seconds and metres,
 /// # comments; further words are ignored. Throws DatasetError naming file and line for a missing or
 /// unreadable number, NaN or infinity, a quaternion that is not of unit length, and time that does

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -15,6 +16,16 @@ int threads();
 /// CALLER's and must not depend on the thread count: that is what makes 1 and N threads give the
 /// same bits. Exceptions propagate.
 void parallelChunks(int chunks, const std::function<void(int)>& body);
+
+/// Runs body(v) for every row v = 0..height-1, possibly in parallel. No row may depend on another.
+template <typename Body>
+void parallelRows(int height, const Body& body) {
+  constexpr int kRows = 16;  // a chunk
+  parallelChunks((height + kRows - 1) / kRows, [&](int chunk) {
+    const int end = std::min(height, (chunk + 1) * kRows);
+    for (int v = chunk * kRows; v < end; ++v) body(v);
+  });
+}
 
 /// Deterministic reduction: `partial` values are computed per chunk, possibly in parallel, and
 /// added in chunk order.

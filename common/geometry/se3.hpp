@@ -13,6 +13,10 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Vec12 = Eigen::Matrix<double, 12, 1>;
 using Mat12 = Eigen::Matrix<double, 12, 12>;
 
+/// Quaternions from outside that are further than this from unit length are refused; nearer ones
+/// are normalised (files with four decimals are off by up to 1e-4).
+inline constexpr double kUnitQuaternionTolerance = 1e-2;
+
 /// Rigid transform. `T_AB` maps coordinates in frame B to frame A: p_A = T_AB * p_B.
 /// Twists xi = (v, w): translation first (metres), rotation last (radians). Increments and
 /// covariances are RIGHT perturbations: T <- T * exp(xi), expressed in the right-hand frame.

@@ -11,18 +11,7 @@
 namespace rf {
 namespace {
 
-constexpr int kChunkRows = 32;
 constexpr int kOne = 256;  // fixed-point one of the bilinear weights
-
-int chunkCount(int height) { return (height + kChunkRows - 1) / kChunkRows; }
-
-template <typename Body>
-void forRows(int height, const Body& body) {
-  parallelChunks(chunkCount(height), [&](int chunk) {
-    const int end = std::min(height, (chunk + 1) * kChunkRows);
-    for (int v = chunk * kChunkRows; v < end; ++v) body(v);
-  });
-}
 
 void requireSize(const char* what, int width, int height, const Camera& camera) {
   if (width == camera.width && height == camera.height) return;
@@ -48,7 +37,7 @@ Undistorter::Undistorter(const Camera& camera)
       static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   taps_.resize(size);
   nearest_.assign(size, -1);
-  forRows(camera.height, [&](int v) {
+  parallelRows(camera.height, [&](int v) {
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector2d at = camera.distort({u, v});
       // A pixel covers half a unit around its centre; NaN fails these comparisons.
@@ -74,7 +63,7 @@ Image<Rgb> Undistorter::colour(const Image<Rgb>& distorted) const {
   requireSize("colour image", distorted.width(), distorted.height(), camera_);
   if (identity_) return distorted;
   Image<Rgb> out(camera_.width, camera_.height);
-  forRows(camera_.height, [&](int v) {
+  parallelRows(camera_.height, [&](int v) {
     const Tap* taps = taps_.data() + static_cast<std::size_t>(v) * camera_.width;
     Rgb* row = out.row(v);
     for (int u = 0; u < camera_.width; ++u) {
@@ -94,7 +83,7 @@ Image<std::uint16_t> Undistorter::depth(const Image<std::uint16_t>& distorted) c
   requireSize("depth image", distorted.width(), distorted.height(), camera_);
   if (identity_) return distorted;
   Image<std::uint16_t> out(camera_.width, camera_.height);
-  forRows(camera_.height, [&](int v) {
+  parallelRows(camera_.height, [&](int v) {
     const std::int32_t* source = nearest_.data() + static_cast<std::size_t>(v) * camera_.width;
     std::uint16_t* row = out.row(v);
     for (int u = 0; u < camera_.width; ++u) {

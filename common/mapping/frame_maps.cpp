@@ -14,14 +14,6 @@ namespace {
 
 constexpr int kRows = 16;  // rows a chunk; fixed, so that thread counts do not matter
 
-template <typename Body>
-void forRows(int height, const Body& body) {
-  parallelChunks((height + kRows - 1) / kRows, [&](int chunk) {
-    const int end = std::min(height, (chunk + 1) * kRows);
-    for (int v = chunk * kRows; v < end; ++v) body(v);
-  });
-}
-
 // Largest step between neighbours that is still one surface; grazing floors need a generous one.
 float edgeStep(float z) { return std::max(0.03F, 0.04F * z); }
 
@@ -112,7 +104,7 @@ void computeNormals(const Image<float>& z, FrameMaps& maps) {
   const auto cx = static_cast<float>(c.cx), cy = static_cast<float>(c.cy);
   for (Image<float>* plane : {&maps.nx, &maps.ny, &maps.nz})
     *plane = Image<float>(c.width, c.height);
-  forRows(c.height, [&](int v) {
+  parallelRows(c.height, [&](int v) {
     if (v == 0 || v == c.height - 1) return;
     const float* up = z.row(v - 1);
     const float* mid = z.row(v);
@@ -172,7 +164,7 @@ Image<float> nearestAround(const Image<float>& depth) {
 Image<Rgb> reduceColour(const Image<Rgb>& colour, int f) {
   if (f == 1) return colour;
   Image<Rgb> out(colour.width() / f, colour.height() / f);
-  forRows(out.height(), [&](int v) {
+  parallelRows(out.height(), [&](int v) {
     for (int u = 0; u < out.width(); ++u) {
       int r = 0, g = 0, b = 0;
       for (int y = v * f; y < (v + 1) * f; ++y) {

@@ -260,18 +260,14 @@ void Predictor::predict(const SurfelMap& map, const SE3& T_FC, const Camera& cam
       splat(discs, block.count, static_cast<std::uint32_t>(index) * kBlockSize, view, keys.data());
     }
   });
-  constexpr int kRows = 16;
-  parallelChunks((camera.height + kRows - 1) / kRows, [&](int chunk) {
-    const int end = std::min(camera.height, (chunk + 1) * kRows);
-    for (int v = chunk * kRows; v < end; ++v) {
-      std::int64_t* first = keys_[0].data() + static_cast<std::ptrdiff_t>(v) * camera.width;
-      for (int b = 1; b < buffers; ++b) {
-        const std::int64_t* other = keys_[static_cast<std::size_t>(b)].data() +
-                                    static_cast<std::ptrdiff_t>(v) * camera.width;
-        for (int u = 0; u < camera.width; ++u) first[u] = std::max(first[u], other[u]);
-      }
-      resolveRow(map, view, keys_[0].data(), v, out);
+  parallelRows(camera.height, [&](int v) {
+    std::int64_t* first = keys_[0].data() + static_cast<std::ptrdiff_t>(v) * camera.width;
+    for (int b = 1; b < buffers; ++b) {
+      const std::int64_t* other =
+          keys_[static_cast<std::size_t>(b)].data() + static_cast<std::ptrdiff_t>(v) * camera.width;
+      for (int u = 0; u < camera.width; ++u) first[u] = std::max(first[u], other[u]);
     }
+    resolveRow(map, view, keys_[0].data(), v, out);
   });
 }
 

@@ -10,7 +10,6 @@
 namespace rf {
 namespace {
 
-constexpr int kRows = 16;
 constexpr float kGrazingFactor = 5.0F;  // largest depth difference of a match, in gates
 constexpr float kFinerRadius = 1.5F;    // a measurement coarser than this does not repaint a surfel
 
@@ -174,29 +173,27 @@ Image<std::uint32_t> associate(const FuseInput& in, const Prediction& p,
   const auto cos_match = static_cast<float>(config.surfels.match_cos);
   const auto cos_append = static_cast<float>(config.surfels.append_cos);
   Image<std::uint32_t> match(c.width, c.height, kMatchNone);
-  parallelChunks((c.height + kRows - 1) / kRows, [&](int chunk) {
-    for (int v = chunk * kRows; v < std::min(c.height, (chunk + 1) * kRows); ++v) {
-      for (int u = 0; u < c.width; ++u) {
-        const float z = in.frame.depth(u, v);
-        if (!(z > 0)) continue;
-        if (!in.forbidden.empty() && in.forbidden(u, v) != 0) continue;
-        const Eigen::Vector3f ray = rays(u, v);
-        const Eigen::Vector3f n = normalAt(in.frame, u, v);
-        const float z_model = p.depth(u, v);
-        if (!(z_model > 0)) {
-          if (mayAppend(in, u, v, n, ray, cos_append)) match(u, v) = kMatchAppend;
-          continue;
-        }
-        const Eigen::Vector3f n_model(p.nx(u, v), p.ny(u, v), p.nz(u, v));
-        const float gate = base + sigmas * sensor.sigma(z);
-        const float behind = z - z_model;
-        const bool near =
-            std::abs(behind) < kGrazingFactor * gate && std::abs(behind * n_model.dot(ray)) < gate;
-        if (near) {
-          if (n.z() != 0.0F && n.dot(n_model) > cos_match) match(u, v) = p.id(u, v);
-        } else if (behind < -gate && mayAppend(in, u, v, n, ray, cos_append)) {
-          match(u, v) = kMatchAppend;
-        }
+  parallelRows(c.height, [&](int v) {
+    for (int u = 0; u < c.width; ++u) {
+      const float z = in.frame.depth(u, v);
+      if (!(z > 0)) continue;
+      if (!in.forbidden.empty() && in.forbidden(u, v) != 0) continue;
+      const Eigen::Vector3f ray = rays(u, v);
+      const Eigen::Vector3f n = normalAt(in.frame, u, v);
+      const float z_model = p.depth(u, v);
+      if (!(z_model > 0)) {
+        if (mayAppend(in, u, v, n, ray, cos_append)) match(u, v) = kMatchAppend;
+        continue;
+      }
+      const Eigen::Vector3f n_model(p.nx(u, v), p.ny(u, v), p.nz(u, v));
+      const float gate = base + sigmas * sensor.sigma(z);
+      const float behind = z - z_model;
+      const bool near =
+          std::abs(behind) < kGrazingFactor * gate && std::abs(behind * n_model.dot(ray)) < gate;
+      if (near) {
+        if (n.z() != 0.0F && n.dot(n_model) > cos_match) match(u, v) = p.id(u, v);
+      } else if (behind < -gate && mayAppend(in, u, v, n, ray, cos_append)) {
+        match(u, v) = kMatchAppend;
       }
     }
   });

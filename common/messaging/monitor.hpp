@@ -14,6 +14,11 @@
 
 namespace rf {
 
+/// As stages and latencies are reported.
+inline double milliseconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double, std::milli>(d).count();
+}
+
 /// service_status_t's states.
 enum class ServiceState : std::int32_t {
   kInit = 0,

@@ -10,7 +10,6 @@
 namespace rf {
 namespace {
 
-constexpr double kUnitTolerance = 1e-2;
 constexpr double kJumpSlackM = 0.02;  // stamps jitter: a step this small is no jump at any speed
 constexpr double kJumpSlackRad = 0.02;
 constexpr double kUnchanged = 1e-9;  // metres, radians
@@ -27,7 +26,7 @@ SE3 scaled(const SE3& step, double metres, double radians) {
 
 std::string poseProblem(const SE3& pose) {
   if (!pose.isFinite()) return "it is not finite";
-  if (std::abs(pose.q.norm() - 1.0) > kUnitTolerance)
+  if (std::abs(pose.q.norm() - 1.0) > kUnitQuaternionTolerance)
     return fmt::format("its quaternion has length {:.3g}, must be 1", pose.q.norm());
   return {};
 }

@@ -9,7 +9,6 @@
 namespace rf {
 namespace {
 
-constexpr double kUnitTolerance = 1e-2;
 constexpr double kAnewSeconds = 1.0;
 
 bool sameGrasp(const Grasp& a, const Grasp& b) {
@@ -27,7 +26,7 @@ std::string GraspTimeline::add(const Grasp& grasp) {
   };
   if (grasp.utime > kAbsurdTime || grasp.utime < -kAbsurdTime) return refuse("its time is absurd");
   if (grasp.held && !grasp.T_GO.isFinite()) return refuse("T_GO is not finite");
-  if (grasp.held && std::abs(grasp.T_GO.q.norm() - 1) > kUnitTolerance)
+  if (grasp.held && std::abs(grasp.T_GO.q.norm() - 1) > kUnitQuaternionTolerance)
     return refuse(
         fmt::format("T_GO's quaternion has length {:.3g}, must be 1", grasp.T_GO.q.norm()));
   Grasp event = grasp;

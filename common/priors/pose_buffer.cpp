@@ -10,8 +10,6 @@
 namespace rf {
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-2;
-
 double seconds(std::int64_t from, std::int64_t to) { return 1e-6 * static_cast<double>(to - from); }
 
 PoseAt between(const StampedPose& a, const StampedPose& b, std::int64_t utime, PriorState state,
@@ -31,7 +29,7 @@ PoseVerdict PoseBuffer::add(std::int64_t utime, const SE3& pose) {
     ++counts_.not_finite;
     return PoseVerdict::kNotFinite;
   }
-  if (std::abs(pose.q.norm() - 1.0) > kQuaternionTolerance) {
+  if (std::abs(pose.q.norm() - 1.0) > kUnitQuaternionTolerance) {
     ++counts_.not_unit;
     return PoseVerdict::kNotUnit;
   }

@@ -6,14 +6,14 @@
 
 namespace rf {
 namespace {
-constexpr double kQuaternionTolerance = 1e-3;
+constexpr double kConfigQuaternionTolerance = 1e-3;
 }
 
 SE3 toTransform(const TransformConfig& c, const std::string& field) {
   const Eigen::Quaterniond q(c.qw, c.qx, c.qy, c.qz);
   const Vec3 t(c.x, c.y, c.z);
   if (!t.allFinite()) throw std::invalid_argument(field + ": translation must be finite");
-  if (!(std::abs(q.norm() - 1.0) <= kQuaternionTolerance)) {
+  if (!(std::abs(q.norm() - 1.0) <= kConfigQuaternionTolerance)) {
     throw std::invalid_argument(field + ": quaternion length = " + std::to_string(q.norm()) +
                                 ": must be 1 within 0.001");
   }

@@ -11,7 +11,7 @@
 namespace rf {
 namespace {
 
-constexpr int kRowsPerChunk = 20;  // fixed: never by thread count
+constexpr int kClusterRows = 20;  // fixed: never by thread count
 
 /// Centres as a struct of arrays, for the vectoriser.
 struct CentreArrays {
@@ -149,11 +149,11 @@ CentreSums assign(const RgbdLevel& level, const std::vector<Eigen::Vector3f>& ce
   const CentreSums zero{std::vector<Eigen::Vector3d>(centres.size(), Eigen::Vector3d::Zero()),
                         std::vector<int>(centres.size(), 0)};
   const CentreArrays arrays(centres);
-  const int chunks = (level.depth.height() + kRowsPerChunk - 1) / kRowsPerChunk;
+  const int chunks = (level.depth.height() + kClusterRows - 1) / kClusterRows;
   return reduceChunks(chunks, zero, [&](int chunk, CentreSums& out) {
     RowKernel kernel(level);
-    const int end = std::min(level.depth.height(), (chunk + 1) * kRowsPerChunk);
-    for (int v = chunk * kRowsPerChunk; v < end; ++v) {
+    const int end = std::min(level.depth.height(), (chunk + 1) * kClusterRows);
+    for (int v = chunk * kClusterRows; v < end; ++v) {
       kernel.row(v, arrays, [&](int /*u*/, std::uint8_t k, const Eigen::Vector3f& p) {
         out.sum[k] += p.cast<double>();
         ++out.count[k];
@@ -166,11 +166,11 @@ Image<std::uint8_t> labels(const RgbdLevel& level, const std::vector<Eigen::Vect
   Image<std::uint8_t> out(level.depth.width(), level.depth.height(), kNoCluster);
   if (centres.empty()) return out;
   const CentreArrays arrays(centres);
-  const int chunks = (level.depth.height() + kRowsPerChunk - 1) / kRowsPerChunk;
+  const int chunks = (level.depth.height() + kClusterRows - 1) / kClusterRows;
   parallelChunks(chunks, [&](int chunk) {
     RowKernel kernel(level);
-    const int end = std::min(level.depth.height(), (chunk + 1) * kRowsPerChunk);
-    for (int v = chunk * kRowsPerChunk; v < end; ++v) {
+    const int end = std::min(level.depth.height(), (chunk + 1) * kClusterRows);
+    for (int v = chunk * kClusterRows; v < end; ++v) {
       kernel.row(v, arrays, [&](int u, std::uint8_t k, const Eigen::Vector3f&) { out(u, v) = k; });
     }
   });

@@ -9,7 +9,7 @@
 namespace rf {
 namespace {
 
-constexpr int kRowsPerChunk = 15;       // fixed: the split must not depend on the thread count
+constexpr int kTermRows = 15;           // fixed: the split must not depend on the thread count
 constexpr float kIntensityEps = 1e-6F;  // algorithm A.4
 constexpr float kDepthEps = 0.005F;     // metres, algorithm A.4
 
@@ -153,10 +153,10 @@ TermLevel makeTermLevel(const RgbdLevel& level) {
                 Image<float>(width, height),
                 Image<float>(width, height),
                 Image<float>(width, height)};
-  const int chunks = (height + kRowsPerChunk - 1) / kRowsPerChunk;
+  const int chunks = (height + kTermRows - 1) / kTermRows;
   parallelChunks(chunks, [&](int chunk) {
-    const int end = std::min(height - 1, (chunk + 1) * kRowsPerChunk);
-    for (int v = std::max(1, chunk * kRowsPerChunk); v < end; ++v) {
+    const int end = std::min(height - 1, (chunk + 1) * kTermRows);
+    for (int v = std::max(1, chunk * kTermRows); v < end; ++v) {
       for (int u = 1; u < width - 1; ++u) {
         const float i = level.intensity(u, v);
         out.intensity_u(u, v) = edgePreservingGradient(level.intensity(u - 1, v), i,
@@ -188,10 +188,10 @@ void linearise(const TermLevel& a, const TermLevel& b, const SE3& T_AB,
   const int height = b.depth.height();
   out.resize(b.depth.size());
   const Warp warp(a, b, T_AB, params);
-  const int chunks = (height + kRowsPerChunk - 1) / kRowsPerChunk;
+  const int chunks = (height + kTermRows - 1) / kTermRows;
   parallelChunks(chunks, [&](int chunk) {
-    const int end = std::min(height, (chunk + 1) * kRowsPerChunk);
-    for (int v = chunk * kRowsPerChunk; v < end; ++v) {
+    const int end = std::min(height, (chunk + 1) * kTermRows);
+    for (int v = chunk * kTermRows; v < end; ++v) {
       for (int u = 0; u < width; ++u) {
         const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
                               static_cast<std::size_t>(u);

@@ -10,7 +10,6 @@
 namespace rf {
 namespace {
 
-constexpr int kRowsPerChunk = 15;  // fixed: never by thread count
 constexpr double kMostEnergy =
     3.0;                   // log energy of a surface that is four sigma off: no more doubt
 constexpr int kReach = 2;  // pixels around a pixel that speak with it
@@ -119,28 +118,24 @@ Image<MapWitness> mapWitnesses(const MapView& map, const Camera& camera, const I
                                const SE3& T_MB_static, const SE3& T_MB_object,
                                const ImageTermParams& terms, const MapEvidenceParams& params) {
   Image<MapWitness> out(depth.width(), depth.height(), MapWitness::kNone);
-  const int chunks = (out.height() + kRowsPerChunk - 1) / kRowsPerChunk;
-  parallelChunks(chunks, [&](int chunk) {
-    const int end = std::min(out.height(), (chunk + 1) * kRowsPerChunk);
-    for (int v = chunk * kRowsPerChunk; v < end; ++v) {
-      for (int u = 0; u < out.width(); ++u) {
-        const double z = static_cast<double>(depth(u, v));
-        if (!(z > 0)) continue;
-        const double gate = gateAt(z, terms, params);
-        const Vec3 p_b = camera.backProject(u, v, z);
-        const Vec3 p_s = T_MB_static * p_b;
-        const Vec3 p_d = T_MB_object * p_b;
-        const Seen s = lookUp(map, p_s);
-        const Seen d = lookUp(map, p_d);
-        const double behind = p_s.z() - static_cast<double>(s.z);
-        const bool is_static = s.body == kBodyStatic && std::abs(behind) < gate;
-        const bool is_object =
-            d.body == kBodyObject && std::abs(p_d.z() - static_cast<double>(d.z)) < gate;
-        if (is_static != is_object) {
-          out(u, v) = is_static ? MapWitness::kStatic : MapWitness::kObject;
-        } else if (!is_static && s.body == kBodyStatic && behind < -gate) {
-          out(u, v) = MapWitness::kIntruder;
-        }
+  parallelRows(out.height(), [&](int v) {
+    for (int u = 0; u < out.width(); ++u) {
+      const double z = static_cast<double>(depth(u, v));
+      if (!(z > 0)) continue;
+      const double gate = gateAt(z, terms, params);
+      const Vec3 p_b = camera.backProject(u, v, z);
+      const Vec3 p_s = T_MB_static * p_b;
+      const Vec3 p_d = T_MB_object * p_b;
+      const Seen s = lookUp(map, p_s);
+      const Seen d = lookUp(map, p_d);
+      const double behind = p_s.z() - static_cast<double>(s.z);
+      const bool is_static = s.body == kBodyStatic && std::abs(behind) < gate;
+      const bool is_object =
+          d.body == kBodyObject && std::abs(p_d.z() - static_cast<double>(d.z)) < gate;
+      if (is_static != is_object) {
+        out(u, v) = is_static ? MapWitness::kStatic : MapWitness::kObject;
+      } else if (!is_static && s.body == kBodyStatic && behind < -gate) {
+        out(u, v) = MapWitness::kIntruder;
       }
     }
   });
@@ -207,25 +202,21 @@ Image<std::uint8_t> refineScores(const Image<MapWitness>& witnesses, const Image
     if (witnesses[i] == MapWitness::kIntruder && beside[k]) own[i] -= intruder;
   }
   Image<std::uint8_t> out(label.width(), label.height(), 255);
-  const int chunks = (out.height() + kRowsPerChunk - 1) / kRowsPerChunk;
-  parallelChunks(chunks, [&](int chunk) {
-    const int end = std::min(out.height(), (chunk + 1) * kRowsPerChunk);
-    for (int v = chunk * kRowsPerChunk; v < end; ++v) {
-      for (int u = 0; u < out.width(); ++u) {
-        if (label(u, v) >= count) continue;
-        const float z = depth(u, v);
-        float sum = 0;
-        int pixels = 0;
-        for (int j = std::max(0, v - kReach); j <= std::min(out.height() - 1, v + kReach); ++j) {
-          for (int i = std::max(0, u - kReach); i <= std::min(out.width() - 1, u + kReach); ++i) {
-            if (label(i, j) >= count || std::abs(depth(i, j) - z) > kSameSurface * z) continue;
-            sum += own(i, j);
-            ++pixels;
-          }
+  parallelRows(out.height(), [&](int v) {
+    for (int u = 0; u < out.width(); ++u) {
+      if (label(u, v) >= count) continue;
+      const float z = depth(u, v);
+      float sum = 0;
+      int pixels = 0;
+      for (int j = std::max(0, v - kReach); j <= std::min(out.height() - 1, v + kReach); ++j) {
+        for (int i = std::max(0, u - kReach); i <= std::min(out.width() - 1, u + kReach); ++i) {
+          if (label(i, j) >= count || std::abs(depth(i, j) - z) > kSameSurface * z) continue;
+          sum += own(i, j);
+          ++pixels;
         }
-        const float score = std::clamp(sum / static_cast<float>(std::max(1, pixels)), 0.0F, 1.0F);
-        out(u, v) = static_cast<std::uint8_t>(std::lround(255.0F * score));
       }
+      const float score = std::clamp(sum / static_cast<float>(std::max(1, pixels)), 0.0F, 1.0F);
+      out(u, v) = static_cast<std::uint8_t>(std::lround(255.0F * score));
     }
   });
   return out;

@@ -11,15 +11,15 @@
 namespace rf {
 namespace {
 
-constexpr int kRowsPerChunk = 16;  // fixed: the split must not depend on the thread count
+constexpr int kPaperRows = 16;  // fixed: the split must not depend on the thread count
 constexpr float kIntensityEps = 1e-6F, kDepthEps = 0.005F;  // A.4
 
-int chunkCount(int height) { return (height + kRowsPerChunk - 1) / kRowsPerChunk; }
+int chunkCount(int height) { return (height + kPaperRows - 1) / kPaperRows; }
 
 template <typename Body>
 void forRowsOf(int height, int chunk, const Body& body) {
-  const int end = std::min(height, (chunk + 1) * kRowsPerChunk);
-  for (int v = chunk * kRowsPerChunk; v < end; ++v) body(v);
+  const int end = std::min(height, (chunk + 1) * kPaperRows);
+  for (int v = chunk * kPaperRows; v < end; ++v) body(v);
 }
 
 std::vector<float> raysX(const Camera& c) {

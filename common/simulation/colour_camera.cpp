@@ -16,18 +16,10 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-constexpr int kRowsPerChunk = 16;
 constexpr float kBlurFrom = 0.6F;  // pixels; below it nothing is blurred
 constexpr int kMostSamples = 15;
 constexpr float kTargetMean = 0.36F;  // linear mean that the automatic exposure aims at
 constexpr int kToneSteps = 4096;
-
-void forRows(int height, const std::function<void(int)>& body) {
-  parallelChunks((height + kRowsPerChunk - 1) / kRowsPerChunk, [&](int chunk) {
-    const int first = chunk * kRowsPerChunk;
-    for (int v = first; v < std::min(first + kRowsPerChunk, height); ++v) body(v);
-  });
-}
 
 /// Displayed value 0..255 of linear light 0..1: gamma with a soft shoulder and slight contrast.
 std::array<float, kToneSteps + 1> toneTable() {
@@ -51,7 +43,7 @@ float tone(float linear) {
 /// Weights 1 6 1 over 8 along rows or columns.
 Image<Vector3f> softened(const Image<Vector3f>& in) {
   Image<Vector3f> rows(in.width(), in.height(), Vector3f::Zero());
-  forRows(in.height(), [&](int v) {
+  parallelRows(in.height(), [&](int v) {
     for (int u = 0; u < in.width(); ++u) {
       const Vector3f& left = in(std::max(u - 1, 0), v);
       const Vector3f& right = in(std::min(u + 1, in.width() - 1), v);
@@ -59,7 +51,7 @@ Image<Vector3f> softened(const Image<Vector3f>& in) {
     }
   });
   Image<Vector3f> out(in.width(), in.height(), Vector3f::Zero());
-  forRows(in.height(), [&](int v) {
+  parallelRows(in.height(), [&](int v) {
     const int up = std::max(v - 1, 0);
     const int low = std::min(v + 1, in.height() - 1);
     for (int u = 0; u < in.width(); ++u) {
@@ -99,7 +91,7 @@ Image<Vector2f> shutterFlow(const World& world, const SurfaceImage& surface,
   const Camera& c = world.camera;
   const Vector2f focal(static_cast<float>(c.fx), static_cast<float>(c.fy));
   Image<Vector2f> flow(c.width, c.height, Vector2f::Zero());
-  forRows(c.height, [&](int v) {
+  parallelRows(c.height, [&](int v) {
     for (int u = 0; u < c.width; ++u) {
       if (surface.primitive(u, v) < 0) continue;
       const auto body = static_cast<std::size_t>(
@@ -116,7 +108,7 @@ Image<Vector2f> shutterFlow(const World& world, const SurfaceImage& surface,
 
 Image<Vector3f> blurred(const Image<Vector3f>& light, const Image<Vector2f>& flow) {
   Image<Vector3f> out = light;
-  forRows(light.height(), [&](int v) {
+  parallelRows(light.height(), [&](int v) {
     for (int u = 0; u < light.width(); ++u) {
       const Vector2f& f = flow(u, v);
       const float length = f.norm();
@@ -168,7 +160,7 @@ Image<Rgb> develop(const Image<Vector3f>& light, const ColourResponse& response,
   const Image<float> blue = correlatedNoise(width, height, 2, scramble(key, 3));
   const float far = 0.25F * static_cast<float>(width * width + height * height);
   Image<Rgb> out(width, height);
-  forRows(height, [&](int v) {
+  parallelRows(height, [&](int v) {
     for (int u = 0; u < width; ++u) {
       const float x = static_cast<float>(u) - 0.5F * static_cast<float>(width);
       const float y = static_cast<float>(v) - 0.5F * static_cast<float>(height);

@@ -14,7 +14,6 @@ namespace {
 constexpr float kNearest = 0.4F;
 constexpr float kFarthest = 5.0F;
 constexpr float kFocalBaseline = static_cast<float>(kBaseline * kInfraredFocal);
-constexpr int kRowsPerChunk = 16;
 constexpr float kEdgeWander = 1.3F;  // pixels, standard deviation of a depth edge's place
 
 struct Fields {
@@ -31,18 +30,11 @@ Fields noiseFields(int width, int height, std::uint64_t key) {
   return {field(1, 1), field(6, 2), field(2, 3), field(2, 4), field(3, 5)};
 }
 
-void forRows(int height, const std::function<void(int)>& body) {
-  parallelChunks((height + kRowsPerChunk - 1) / kRowsPerChunk, [&](int chunk) {
-    const int first = chunk * kRowsPerChunk;
-    for (int v = first; v < std::min(first + kRowsPerChunk, height); ++v) body(v);
-  });
-}
-
 /// 1 where a depth edge is within three pixels.
 Image<std::uint8_t> nearEdges(const Image<float>& z) {
   const int reach = 3;
   Image<std::uint8_t> rows(z.width(), z.height());
-  forRows(z.height(), [&](int v) {
+  parallelRows(z.height(), [&](int v) {
     for (int u = 0; u < z.width(); ++u) {
       const float a = z(u, v);
       const float limit = 0.03F + 0.03F * a;
@@ -54,7 +46,7 @@ Image<std::uint8_t> nearEdges(const Image<float>& z) {
     }
   });
   Image<std::uint8_t> out(z.width(), z.height());
-  forRows(z.height(), [&](int v) {
+  parallelRows(z.height(), [&](int v) {
     const int last = std::min(v + reach, z.height() - 1);
     for (int k = std::max(0, v - reach); k <= last; ++k) {
       for (int u = 0; u < z.width(); ++u) out(u, v) |= rows(u, k);
@@ -67,7 +59,7 @@ Image<std::uint8_t> nearEdges(const Image<float>& z) {
 /// the same projector column.
 Image<std::uint8_t> projectorShadow(const Image<float>& z) {
   Image<std::uint8_t> out(z.width(), z.height());
-  forRows(z.height(), [&](int v) {
+  parallelRows(z.height(), [&](int v) {
     float covered_from = 1e9F;
     for (int u = z.width() - 1; u >= 0; --u) {
       if (z(u, v) <= 0) continue;
@@ -124,7 +116,7 @@ DepthOutput senseDepth(const DepthInput& in, const Camera& camera, std::uint64_t
   const Image<std::uint8_t> edges = nearEdges(in.z);
   const Image<std::uint8_t> shadow = projectorShadow(in.z);
   DepthOutput out{Image<std::uint16_t>(width, height), Image<std::uint8_t>(width, height)};
-  forRows(height, [&](int v) {
+  parallelRows(height, [&](int v) {
     for (int u = 0; u < width; ++u) {
       if (inBorder(u, v, width, height, 0.8F * fields.wander_u(u, v))) continue;
       int su = u;

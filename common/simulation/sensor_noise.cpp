@@ -10,7 +10,7 @@
 namespace rf::sim {
 namespace {
 
-constexpr int kRowsPerChunk = 32;
+constexpr int kRowsPerChunk = 32;  // of the running sums
 
 /// White noise summed over 2 radius + 1 columns, for rows `first`..`last` of the padded image.
 void rowSums(Image<float>& out, int first, int last, int radius, std::uint64_t key) {
@@ -43,16 +43,13 @@ Image<float> correlatedNoise(int width, int height, int radius, std::uint64_t ke
   if (radius == 0) return sums;
   const float scale = 1.0F / static_cast<float>(2 * radius + 1);
   Image<float> out(width, height);
-  parallelChunks((height + kRowsPerChunk - 1) / kRowsPerChunk, [&](int chunk) {
-    const int first = chunk * kRowsPerChunk;
-    for (int v = first; v < std::min(first + kRowsPerChunk, height); ++v) {
-      float* target = out.row(v);
-      for (int k = 0; k <= 2 * radius; ++k) {
-        const float* source = sums.row(v + k);
-        for (int u = 0; u < width; ++u) target[u] += source[u];
-      }
-      for (int u = 0; u < width; ++u) target[u] *= scale;
+  parallelRows(height, [&](int v) {
+    float* target = out.row(v);
+    for (int k = 0; k <= 2 * radius; ++k) {
+      const float* source = sums.row(v + k);
+      for (int u = 0; u < width; ++u) target[u] += source[u];
     }
+    for (int u = 0; u < width; ++u) target[u] *= scale;
   });
   return out;
 }

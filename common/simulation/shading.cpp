@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-constexpr int kRowsPerChunk = 16;
 constexpr float kBodyOpenness = 0.92F;  // of a moving body to ambient light
 
 /// Linear albedo of a material at a point of a face; `footprint` in metres.
@@ -153,13 +152,6 @@ class Shader {
   Vector3f t_WC_;
 };
 
-void forRows(int height, const std::function<void(int)>& body) {
-  parallelChunks((height + kRowsPerChunk - 1) / kRowsPerChunk, [&](int chunk) {
-    const int first = chunk * kRowsPerChunk;
-    for (int v = first; v < std::min(first + kRowsPerChunk, height); ++v) body(v);
-  });
-}
-
 }  // namespace
 
 Shaded shade(const World& world, const LampLight& lamps, const BakedLight& baked,
@@ -170,11 +162,11 @@ Shaded shade(const World& world, const LampLight& lamps, const BakedLight& baked
              Image<float>(c.width, c.height), Image<std::uint8_t>(c.width, c.height)};
   const MovingLight moving(world, lamps, caster, surface, T_WB, T_WC);
   const Shader shader(world, lamps, baked, caster, surface, moving, T_WC);
-  forRows(c.height, [&](int v) {
+  parallelRows(c.height, [&](int v) {
     for (int u = 0; u < c.width; ++u) shader.pixel(u, v, out);
   });
   Image<Vector3f> light = out.light;
-  forRows(c.height, [&](int v) {
+  parallelRows(c.height, [&](int v) {
     for (int u = 0; u < c.width; ++u) {
       if (shader.onBorder(u, v)) light(u, v) = shader.smoothed(u, v, out.light);
     }

@@ -6,18 +6,9 @@
 #include <algorithm>
 
 #include "messaging/log_source.hpp"
+#include "timing.hpp"
 
 namespace rf {
-namespace {
-
-constexpr auto kCameraGap = std::chrono::seconds(1);
-constexpr auto kPoll = std::chrono::milliseconds(20);
-
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
-}  // namespace
 
 CaptureNode::CaptureNode(Service& service, std::unique_ptr<FrameSource> source,
                          const CodecOptions& codec, const CaptureOptions& options, bool lockstep,

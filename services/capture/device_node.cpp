@@ -5,16 +5,12 @@
 
 #include <cmath>
 
+#include "timing.hpp"
+
 namespace rf {
 namespace {
 
-constexpr auto kCameraGap = std::chrono::seconds(1);
-constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr std::size_t kMaxReason = 1000;
-
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
 
 }  // namespace
 

@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
+#include "timing.hpp"
+
 namespace rf {
 namespace {
 
 /// Colour older than this against its depth is said once in a while: the driver pairs with the LAST
 /// one.
 constexpr std::int64_t kColourGapUs = 50000;
-constexpr auto kCameraGap = std::chrono::seconds(1);
 
 }  // namespace
 

@@ -16,10 +16,6 @@ namespace {
 constexpr std::size_t kMaxUnanswered = 100000;
 constexpr int kChunksPerStep = 4;  ///< 240 KB at most between two looks at the mailboxes
 
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
 /// A command may name a folder inside the result folder, nothing elsewhere.
 bool isPlainName(const std::string& name) {
   return !name.empty() && name.find('/') == std::string::npos && name != "." && name != "..";

@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::size_t kMemory = 64;
 
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
 const char* reason(PoseVerdict verdict) {
   switch (verdict) {
     case PoseVerdict::kNotFinite:

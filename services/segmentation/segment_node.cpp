@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::size_t kMaxPending = 64;
 
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
 }  // namespace
 
 SegmentNode::SegmentNode(Service& service, const SegmentationConfig& config,

@@ -19,6 +19,9 @@ inline const Colour kRed{40, 40, 205};
 inline const Colour kOrange{30, 140, 240};
 inline const Colour kGreen{60, 140, 40};
 
+inline constexpr int kGap = 14;   ///< between the parts of a picture, and around them
+inline constexpr int kHead = 66;  ///< height of its title's lines
+
 enum class Align { kLeft, kCentre, kRight };
 
 /// A white picture that is drawn on at twice its size and reduced at the end, so that lines and the

@@ -14,8 +14,6 @@
 namespace rf::render {
 namespace {
 
-constexpr int kGap = 14;
-constexpr int kHead = 66;
 constexpr int kHigh = 640;      ///< of the panels
 constexpr int kOverview = 820;  ///< widths
 constexpr int kPlan = 640;

@@ -14,8 +14,6 @@ namespace {
 constexpr int kColumns = 4;
 constexpr int kTileWidth = 336;
 constexpr int kCaption = 30;
-constexpr int kGap = 10;
-constexpr int kHead = 62;
 constexpr std::uint8_t kStatic = 1;
 constexpr std::uint8_t kDynamic = 2;
 
