@@ -31,20 +31,8 @@ float depthGradient(float minus, float centre, float plus) {
   return 0;
 }
 
-struct Lookup {
-  float fu, fv;
-  const float* top;
-  const float* bottom;
-  float operator()() const {
-    const float a = top[0] + fu * (top[1] - top[0]);
-    const float b = bottom[0] + fu * (bottom[1] - bottom[0]);
-    return a + fv * (b - a);
-  }
-};
-
-float bilinear(const Image<float>& image, int u, int v, float fu, float fv) {
-  return Lookup{fu, fv, image.row(v) + u, image.row(v + 1) + u}();
-}
+using Texel = TermLevel::Texel;
+enum Channel { kIntensity, kDepth, kIntensityU, kIntensityV, kDepthU, kDepthV };
 
 /// Everything of one linearisation that does not change from pixel to pixel.
 struct Warp {
@@ -76,7 +64,8 @@ struct Warp {
 };
 
 bool Warp::pixel(int u, int v, bool rows, std::size_t i, BodyTerms& out) const {
-  const float z_b = b.depth(u, v);
+  const Texel& at_b = b.row(v)[u];
+  const float z_b = at_b[kDepth];
   if (!(z_b > 0)) return false;
   const Eigen::Vector3f p_b((static_cast<float>(u) - bcx) / bfx * z_b,
                             (static_cast<float>(v) - bcy) / bfy * z_b, z_b);
@@ -95,23 +84,28 @@ bool Warp::pixel(int u, int v, bool rows, std::size_t i, BodyTerms& out) const {
   const int v0 = static_cast<int>(va);
   const float fu = ua - static_cast<float>(u0);
   const float fv = va - static_cast<float>(v0);
-  const float* d0 = a.depth.row(v0) + u0;
-  const float* d1 = a.depth.row(v0 + 1) + u0;
-  const float nearest = std::min(std::min(d0[0], d0[1]), std::min(d1[0], d1[1]));
-  const float farthest = std::max(std::max(d0[0], d0[1]), std::max(d1[0], d1[1]));
+  const Texel* top = a.row(v0) + u0;
+  const Texel* bottom = a.row(v0 + 1) + u0;
+  const float nearest = std::min(std::min(top[0][kDepth], top[1][kDepth]),
+                                 std::min(bottom[0][kDepth], bottom[1][kDepth]));
+  const float farthest = std::max(std::max(top[0][kDepth], top[1][kDepth]),
+                                  std::max(bottom[0][kDepth], bottom[1][kDepth]));
   if (!(nearest > 0)) return false;
   const float slant = static_cast<float>(params.max_slant_tan) * 2.0F * farthest / fx;
   if (farthest - nearest > std::max(0.03F, slant)) return false;
-  const float z_a = Lookup{fu, fv, d0, d1}();
-  const float r_d = z_a - p.z();
+  const Texel above = top[0] + fu * (top[1] - top[0]);
+  const Texel below = bottom[0] + fu * (bottom[1] - bottom[0]);
+  const Texel at_a = above + fv * (below - above);
+  const float r_d = at_a[kDepth] - p.z();
   if (r_d < -static_cast<float>(params.occlusion_gate_m)) return false;
-  const float r_i = b.intensity(u, v) - bilinear(a.intensity, u0, v0, fu, fv);
+  const float r_i = at_b[kIntensity] - at_a[kIntensity];
 
   // Gradients: mean of both frames' (second-order accurate for small motions).
-  const float iu = 0.5F * (bilinear(a.intensity_u, u0, v0, fu, fv) + b.intensity_u(u, v));
-  const float iv = 0.5F * (bilinear(a.intensity_v, u0, v0, fu, fv) + b.intensity_v(u, v));
-  const float du = 0.5F * (bilinear(a.depth_u, u0, v0, fu, fv) + b.depth_u(u, v));
-  const float dv = 0.5F * (bilinear(a.depth_v, u0, v0, fu, fv) + b.depth_v(u, v));
+  const Texel mean = 0.5F * (at_a + at_b);
+  const float iu = mean[kIntensityU];
+  const float iv = mean[kIntensityV];
+  const float du = mean[kDepthU];
+  const float dv = mean[kDepthV];
   const auto share = static_cast<float>(params.gradient_share);
   const auto sigma_i = static_cast<float>(params.intensity_sigma);
   const float dz = z_b - 0.4F;
@@ -152,12 +146,14 @@ TermLevel makeTermLevel(const RgbdLevel& level) {
                 Image<float>(width, height),
                 Image<float>(width, height),
                 Image<float>(width, height),
-                Image<float>(width, height)};
+                Image<float>(width, height),
+                std::vector<Texel>(level.depth.size())};
   const int chunks = (height + kTermRows - 1) / kTermRows;
   parallelChunks(chunks, [&](int chunk) {
-    const int end = std::min(height - 1, (chunk + 1) * kTermRows);
-    for (int v = std::max(1, chunk * kTermRows); v < end; ++v) {
-      for (int u = 1; u < width - 1; ++u) {
+    const int end = std::min(height, (chunk + 1) * kTermRows);
+    for (int v = chunk * kTermRows; v < end; ++v) {
+      const bool inner = v > 0 && v < height - 1;
+      for (int u = 1; inner && u < width - 1; ++u) {
         const float i = level.intensity(u, v);
         out.intensity_u(u, v) = edgePreservingGradient(level.intensity(u - 1, v), i,
                                                        level.intensity(u + 1, v), kIntensityEps);
@@ -166,6 +162,11 @@ TermLevel makeTermLevel(const RgbdLevel& level) {
         const float d = level.depth(u, v);
         out.depth_u(u, v) = depthGradient(level.depth(u - 1, v), d, level.depth(u + 1, v));
         out.depth_v(u, v) = depthGradient(level.depth(u, v - 1), d, level.depth(u, v + 1));
+      }
+      Texel* texels = out.texels.data() + static_cast<std::ptrdiff_t>(v) * width;
+      for (int u = 0; u < width; ++u) {
+        texels[u] << out.intensity(u, v), out.depth(u, v), out.intensity_u(u, v),
+            out.intensity_v(u, v), out.depth_u(u, v), out.depth_v(u, v), 0.0F, 0.0F;
       }
     }
   });

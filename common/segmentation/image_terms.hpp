@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "geometry/camera.hpp"
 #include "geometry/image.hpp"
@@ -41,6 +44,15 @@ struct TermLevel {
   Image<float> depth;                     ///< metres, 0 invalid
   Image<float> intensity_u, intensity_v;  ///< 1 / px
   Image<float> depth_u, depth_v;          ///< m / px, edge-preserving (algorithm A.4)
+
+  /// What linearise() reads of a pixel, side by side: intensity, depth, intensity_u, intensity_v,
+  /// depth_u, depth_v, and two that mean nothing. A bilinear look-up in all of them is one in
+  /// vectors.
+  using Texel = Eigen::Array<float, 8, 1>;
+  std::vector<Texel> texels;
+  const Texel* row(int v) const {
+    return texels.data() + static_cast<std::ptrdiff_t>(v) * depth.width();
+  }
 };
 
 /// Edge-preserving gradients on both planes; 0 at the border and beside missing depth.
