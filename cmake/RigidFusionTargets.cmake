@@ -15,6 +15,8 @@ target_compile_options(rf_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<BOOL:${RF_WERROR}>:-Werror>
   $<$<BOOL:${RF_CPU_BASELINE}>:-march=${RF_CPU_BASELINE}>
+  # Nothing here reads errno or floating-point traps; without them square roots are inline and conditions vectorise.
+  -fno-math-errno -fno-trapping-math
   $<$<CONFIG:Release>:-O3>)
 target_include_directories(rf_options INTERFACE ${PROJECT_SOURCE_DIR}/common)
 if(RF_SANITIZE)
