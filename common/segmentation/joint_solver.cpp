@@ -2,6 +2,7 @@
 #include "segmentation/joint_solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/parallel.hpp"
@@ -81,22 +82,26 @@ struct NormalSum {
   }
 };
 
+/// The same sums in single precision. A row i of w a (a', r) at once: lanes below i mean nothing.
 struct NormalAccumulator {
-  float h[21] = {};
-  float b[6] = {};
+  using Lanes = Eigen::Array<float, 8, 1>;  ///< of one pixel: its six derivatives and its residual
+  std::array<Lanes, 6> rows = zero();
 
-  void add(const float* a, float r, float w) {
-    int k = 0;
-    for (int i = 0; i < 6; ++i) {
-      const float wa = w * a[i];
-      for (int j = i; j < 6; ++j) h[k++] += wa * a[j];
-      b[i] += wa * r;
-    }
+  static std::array<Lanes, 6> zero() {
+    std::array<Lanes, 6> out;
+    out.fill(Lanes::Zero());
+    return out;
+  }
+  void add(const Lanes& a, float w) {
+    for (int i = 0; i < 6; ++i) rows[i] += w * a[i] * a;
   }
   void flush(NormalSum& out) {
-    for (int k = 0; k < 21; ++k) out.h[k] += static_cast<double>(h[k]);
-    for (int k = 0; k < 6; ++k) out.b[k] += static_cast<double>(b[k]);
-    *this = {};
+    int k = 0;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) out.h[k++] += static_cast<double>(rows[i][j]);
+      out.b[i] += static_cast<double>(rows[i][6]);
+    }
+    rows = zero();
   }
 };
 
@@ -111,11 +116,11 @@ NormalSum normalEquations(const BodyTerms& terms, const std::vector<float>& scor
       if (terms.valid[i] == 0 || score[i] < 0) return;
       const float g = object ? 1.0F - score[i] : score[i];
       if (!(g > 1e-3F)) return;
-      float row[6];
       const auto addRow = [&](const std::vector<float>* rows, float r) {
         const float w = g / (1.0F + r * r * inv_c2);
-        for (int k = 0; k < 6; ++k) row[k] = rows[k][i];
-        sum.add(row, r, w);
+        NormalAccumulator::Lanes a;
+        a << rows[0][i], rows[1][i], rows[2][i], rows[3][i], rows[4][i], rows[5][i], r, 0.0F;
+        sum.add(a, w);
         out.weight += 0.5 * static_cast<double>(w);
         out.square += 0.5 * static_cast<double>(w * r * r);
       };
