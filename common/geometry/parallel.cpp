@@ -38,4 +38,8 @@ void parallelChunks(int chunks, const std::function<void(int)>& body) {
   });
 }
 
+void parallelCalls(std::initializer_list<std::function<void()>> calls) {
+  parallelChunks(static_cast<int>(calls.size()), [&](int i) { calls.begin()[i](); });
+}
+
 }  // namespace rf

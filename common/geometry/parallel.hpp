@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 namespace rf {
@@ -16,6 +17,10 @@ int threads();
 /// CALLER's and must not depend on the thread count: that is what makes 1 and N threads give the
 /// same bits. Exceptions propagate.
 void parallelChunks(int chunks, const std::function<void(int)>& body);
+
+/// Runs the calls, possibly in parallel. None may depend on another, nor on which thread it runs;
+/// each may run parallel loops of its own.
+void parallelCalls(std::initializer_list<std::function<void()>> calls);
 
 /// Runs body(v) for every row v = 0..height-1, possibly in parallel. No row may depend on another.
 template <typename Body>

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/parallel.hpp"
+
 namespace rf {
 namespace {
 
@@ -133,6 +135,75 @@ class Readings {
   ScorePrior weak_;
 };
 
+/// The readings of one frame in a fixed order, continuation first. Each is a chain of short solves
+/// with little to share out in any: whole readings are solved side by side.
+std::vector<Candidate> solveReadings(const Readings& readings, const DecisionInput& input) {
+  const JointPrior& prior = input.window_prior;
+  JointFit dominant;
+  const SE3& L = dominant.state.T_s;
+  if (prior.outlier_class) {
+    std::vector<Candidate> out(input.camera_measured ? 5 : 3);
+    parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
+                   [&] { dominant = readings.dominantMotion(); }});
+    const auto outliers = [&] { out[2] = readings.fromMotions("outliers", L, L); };
+    if (input.camera_measured) {
+      parallelCalls({outliers, [&] { out[3] = readings.splitByDominant(dominant, false); },
+                     [&] { out[4] = readings.splitByDominant(dominant, true); }});
+    } else {
+      outliers();
+    }
+    return out;
+  }
+  const bool relative = prior.object == JointPrior::Object::kRelative;
+  std::vector<Candidate> out(relative ? 7 : 6);
+  Candidate& restarted = out.back();
+  Candidate& swapped = out[out.size() - 2];
+  parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
+                 [&] { dominant = readings.dominantMotion(); },
+                 [&] { restarted = readings.restarted(); }});
+  parallelCalls(
+      {[&] { out[2] = readings.fromMotions("camera-dominant", L, prior.expectedObject(L)); },
+       [&] { out[3] = readings.fromMotions("object-dominant", prior.expectedCamera(L), L); },
+       [&] {
+         if (relative) out[4] = readings.between(L);
+       },
+       [&] { swapped = readings.swapped(out[0]); }});
+  return out;
+}
+
+/// What a reading costs beside its prior: in the images and, where it is asked, on the map.
+struct ReadingEnergy {
+  double image = 0, map = 0;
+};
+
+std::vector<ReadingEnergy> readingEnergies(const std::vector<Candidate>& candidates,
+                                           const DecisionInput& input, const JointParams& params,
+                                           const ImageTermParams& terms,
+                                           const MapEvidenceParams& map) {
+  double c = std::numeric_limits<double>::max();
+  for (const Candidate& k : candidates) c = std::min(c, k.fit.state.c);
+  std::vector<ReadingEnergy> out(candidates.size());
+  const int count = static_cast<int>(candidates.size());
+  parallelChunks(count, [&](int i) {
+    out[i].image = imageEnergy(input.level, candidates[i].fit, input.window_prior, params, c);
+  });
+  if (input.map == nullptr || !(map.decision_weight > 0)) return out;
+  std::vector<double> noises(candidates.size());
+  parallelChunks(count, [&](int i) {
+    const SE3 T_MB = input.T_MA_static * candidates[i].fit.state.T_s;
+    noises[i] = mapNoise(*input.map, *input.level.b, T_MB, terms, map);
+  });
+  const double noise = *std::min_element(noises.begin(), noises.end());
+  parallelChunks(count, [&](int i) {
+    const JointState& state = candidates[i].fit.state;
+    const MapReading reading{input.T_MA_static * state.T_s, input.T_MA_object * state.T_d,
+                             &state.gamma, noise};
+    out[i].map = mapEnergy(*input.map, *input.level.b, *input.level.label, reading, terms, map,
+                           params.outlier_margin);
+  });
+  return out;
+}
+
 double staticShare(const JointLevel& level, const std::vector<float>& gamma) {
   double sum = 0;
   double pixels = 0;
@@ -150,38 +221,9 @@ Decision decide(const DecisionInput& input, const JointParams& params,
                 const DecisionParams& decision, const ImageTermParams& terms,
                 const MapEvidenceParams& map) {
   const Readings readings(input, params, decision, terms);
-  std::vector<Candidate> candidates;
-  candidates.push_back(readings.continued());
-  candidates.push_back(readings.oneBody());
-  const JointFit dominant = readings.dominantMotion();
-  const SE3& L = dominant.state.T_s;
-  if (input.window_prior.outlier_class) {
-    candidates.push_back(readings.fromMotions("outliers", L, L));
-    if (input.camera_measured) {
-      candidates.push_back(readings.splitByDominant(dominant, false));
-      candidates.push_back(readings.splitByDominant(dominant, true));
-    }
-  } else {
-    candidates.push_back(
-        readings.fromMotions("camera-dominant", L, input.window_prior.expectedObject(L)));
-    candidates.push_back(
-        readings.fromMotions("object-dominant", input.window_prior.expectedCamera(L), L));
-    if (input.window_prior.object == JointPrior::Object::kRelative) {
-      candidates.push_back(readings.between(L));
-    }
-    candidates.push_back(readings.swapped(candidates.front()));
-    candidates.push_back(readings.restarted());
-  }
-
-  double c = std::numeric_limits<double>::max();
-  for (const Candidate& k : candidates) c = std::min(c, k.fit.state.c);
-  const bool ask_map = input.map != nullptr && map.decision_weight > 0;
-  double noise = std::numeric_limits<double>::max();
-  for (const Candidate& k : candidates) {
-    if (!ask_map) break;
-    const SE3 T_MB = input.T_MA_static * k.fit.state.T_s;
-    noise = std::min(noise, mapNoise(*input.map, *input.level.b, T_MB, terms, map));
-  }
+  std::vector<Candidate> candidates = solveReadings(readings, input);
+  const std::vector<ReadingEnergy> energies =
+      readingEnergies(candidates, input, params, terms, map);
   const double scale = decision.reference_pixels / (2.0 * params.kappa);
   double continue_image = 0;
   Decision best;
@@ -189,16 +231,9 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     const JointState& state = candidate.fit.state;
-    const double image =
-        scale * imageEnergy(input.level, candidate.fit, input.window_prior, params, c);
-    double energy = image + input.window_prior.cost(state.T_s, state.T_d) + candidate.charge;
-    if (ask_map) {
-      const MapReading reading{input.T_MA_static * state.T_s, input.T_MA_object * state.T_d,
-                               &state.gamma, noise};
-      energy += map.decision_weight * scale *
-                mapEnergy(*input.map, *input.level.b, *input.level.label, reading, terms, map,
-                          params.outlier_margin);
-    }
+    const double image = scale * energies[i].image;
+    double energy = image + input.window_prior.cost(state.T_s, state.T_d) + candidate.charge +
+                    map.decision_weight * scale * energies[i].map;
     if (i == 0) continue_image = image;
     if (state.one_body) {
       best.one_body_energy = energy;
