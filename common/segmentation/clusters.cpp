@@ -13,45 +13,107 @@ namespace {
 
 constexpr int kClusterRows = 20;  // fixed: never by thread count
 
-/// Centres as a struct of arrays, for the vectoriser.
+/// Centres as a struct of arrays, for the vectoriser, with their numbers.
 struct CentreArrays {
   std::vector<float> x, y, z;
+  std::vector<std::int32_t> id;
+
+  CentreArrays() = default;
   explicit CentreArrays(const std::vector<Eigen::Vector3f>& centres) {
     for (const Eigen::Vector3f& c : centres) {
-      x.push_back(c.x());
-      y.push_back(c.y());
-      z.push_back(c.z());
+      add(c.x(), c.y(), c.z(), static_cast<std::int32_t>(id.size()));
     }
+  }
+  void add(float cx, float cy, float cz, std::int32_t k) {
+    x.push_back(cx);
+    y.push_back(cy);
+    z.push_back(cz);
+    id.push_back(k);
   }
 };
 
-/// Rays of one level's pixels (x/z per column, y/z per row) and buffers for one block of a row.
-class RowKernel {
+/// Rays of one level's pixels: x/z per column, y/z per row.
+class Rays {
  public:
-  explicit RowKernel(const RgbdLevel& level) : level_(level), ray_x_(level.camera.width) {
+  explicit Rays(const RgbdLevel& level) : level_(level), x_(level.camera.width) {
     for (int u = 0; u < level.camera.width; ++u) {
-      ray_x_[u] = (static_cast<float>(u) - static_cast<float>(level.camera.cx)) /
-                  static_cast<float>(level.camera.fx);
+      x_[u] = (static_cast<float>(u) - static_cast<float>(level.camera.cx)) /
+              static_cast<float>(level.camera.fx);
     }
   }
-  float rayY(int v) const {
+  const float* x() const { return x_.data(); }
+  float y(int v) const {
     return (static_cast<float>(v) - static_cast<float>(level_.camera.cy)) /
            static_cast<float>(level_.camera.fy);
   }
   Eigen::Vector3f point(int u, int v) const {
     const float z = level_.depth(u, v);
-    return {ray_x_[u] * z, rayY(v) * z, z};
+    return {x_[u] * z, y(v) * z, z};
+  }
+
+ private:
+  const RgbdLevel& level_;
+  std::vector<float> x_;
+};
+
+/// The box around some points.
+struct Box {
+  Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::max());
+  Eigen::Array3f high = Eigen::Array3f::Constant(std::numeric_limits<float>::lowest());
+  void add(const Eigen::Vector3f& p) {
+    low = low.min(p.array());
+    high = high.max(p.array());
+  }
+};
+
+/// The centres that can be the nearest of a point in the box, in their order: those not farther
+/// from its nearest point than the best one is from its farthest.
+CentreArrays centresNear(const Box& box, const CentreArrays& centres) {
+  constexpr float kRounding = 1.0001F;  // of squared distances
+  const std::size_t count = centres.x.size();
+  std::vector<float> near(count);
+  float reach = std::numeric_limits<float>::max();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::Array3f c(centres.x[k], centres.y[k], centres.z[k]);
+    near[k] = (box.low - c).max(c - box.high).max(0.0F).square().sum();
+    reach = std::min(reach, (c - box.low).max(box.high - c).square().sum());
+  }
+  CentreArrays out;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (near[k] <= kRounding * reach) {
+      out.add(centres.x[k], centres.y[k], centres.z[k], centres.id[k]);
+    }
+  }
+  return out;
+}
+
+/// Finds the nearest centre of the pixels of some rows. A tile of them has only few centres that
+/// can be.
+class Band {
+ public:
+  Band(const RgbdLevel& level, const Rays& rays, const CentreArrays& centres, int begin, int end)
+      : level_(level), rays_(rays) {
+    for (int left = 0; left < level.depth.width(); left += kTile) {
+      Box box;
+      for (int v = begin; v < end; ++v) {
+        for (int u = left; u < std::min(level.depth.width(), left + kTile); ++u) {
+          if (level.depth(u, v) > 0) box.add(rays.point(u, v));
+        }
+      }
+      tiles_.push_back(centresNear(box, centres));
+    }
   }
 
   /// Calls use(u, nearest centre, point) for the pixels of row v that have depth; the first of
   /// equally near centres.
   template <typename Use>
-  void row(int v, const CentreArrays& centres, const Use& use) {
-    const float ray_y = rayY(v);
-    for (int begin = 0; begin < level_.depth.width(); begin += kBlock) {
-      const int n = std::min(kBlock, level_.depth.width() - begin);
+  void row(int v, const Use& use) {
+    const float ray_y = rays_.y(v);
+    for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
+      const int begin = static_cast<int>(tile) * kTile;
+      const int n = std::min(kTile, level_.depth.width() - begin);
       const float* z = level_.depth.row(v) + begin;
-      const float* ray = ray_x_.data() + begin;
+      const float* ray = rays_.x() + begin;
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) {
         x_[i] = ray[i] * z[i];
@@ -59,7 +121,7 @@ class RowKernel {
         best_[i] = std::numeric_limits<float>::max();
         index_[i] = 0;
       }
-      nearest(z, n, centres);
+      nearest(z, n, tiles_[tile]);
       for (int i = 0; i < n; ++i) {
         if (z[i] > 0) {
           use(begin + i, static_cast<std::uint8_t>(index_[i]), Eigen::Vector3f(x_[i], y_[i], z[i]));
@@ -69,12 +131,12 @@ class RowKernel {
   }
 
  private:
-  static constexpr int kBlock = 256;
+  static constexpr int kTile = 32;
 
   void nearest(const float* z, int n, const CentreArrays& centres) {
     for (std::size_t k = 0; k < centres.x.size(); ++k) {
       const float cx = centres.x[k], cy = centres.y[k], cz = centres.z[k];
-      const auto id = static_cast<std::int32_t>(k);
+      const std::int32_t id = centres.id[k];
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) {
         const float dx = cx - x_[i], dy = cy - y_[i], dz = cz - z[i];
@@ -87,9 +149,10 @@ class RowKernel {
   }
 
   const RgbdLevel& level_;
-  std::vector<float> ray_x_;
-  float x_[kBlock], y_[kBlock], best_[kBlock];
-  std::int32_t index_[kBlock];
+  const Rays& rays_;
+  std::vector<CentreArrays> tiles_;
+  float x_[kTile], y_[kTile], best_[kTile];
+  std::int32_t index_[kTile];
 };
 
 /// Grid seeds, each at the median depth of the pixels nearest to it in the image plane.
@@ -149,12 +212,14 @@ CentreSums assign(const RgbdLevel& level, const std::vector<Eigen::Vector3f>& ce
   const CentreSums zero{std::vector<Eigen::Vector3d>(centres.size(), Eigen::Vector3d::Zero()),
                         std::vector<int>(centres.size(), 0)};
   const CentreArrays arrays(centres);
+  const Rays rays(level);
   const int chunks = (level.depth.height() + kClusterRows - 1) / kClusterRows;
   return reduceChunks(chunks, zero, [&](int chunk, CentreSums& out) {
-    RowKernel kernel(level);
-    const int end = std::min(level.depth.height(), (chunk + 1) * kClusterRows);
-    for (int v = chunk * kClusterRows; v < end; ++v) {
-      kernel.row(v, arrays, [&](int /*u*/, std::uint8_t k, const Eigen::Vector3f& p) {
+    const int begin = chunk * kClusterRows;
+    const int end = std::min(level.depth.height(), begin + kClusterRows);
+    Band band(level, rays, arrays, begin, end);
+    for (int v = begin; v < end; ++v) {
+      band.row(v, [&](int /*u*/, std::uint8_t k, const Eigen::Vector3f& p) {
         out.sum[k] += p.cast<double>();
         ++out.count[k];
       });
@@ -166,12 +231,14 @@ Image<std::uint8_t> labels(const RgbdLevel& level, const std::vector<Eigen::Vect
   Image<std::uint8_t> out(level.depth.width(), level.depth.height(), kNoCluster);
   if (centres.empty()) return out;
   const CentreArrays arrays(centres);
+  const Rays rays(level);
   const int chunks = (level.depth.height() + kClusterRows - 1) / kClusterRows;
   parallelChunks(chunks, [&](int chunk) {
-    RowKernel kernel(level);
-    const int end = std::min(level.depth.height(), (chunk + 1) * kClusterRows);
-    for (int v = chunk * kClusterRows; v < end; ++v) {
-      kernel.row(v, arrays, [&](int u, std::uint8_t k, const Eigen::Vector3f&) { out(u, v) = k; });
+    const int begin = chunk * kClusterRows;
+    const int end = std::min(level.depth.height(), begin + kClusterRows);
+    Band band(level, rays, arrays, begin, end);
+    for (int v = begin; v < end; ++v) {
+      band.row(v, [&](int u, std::uint8_t k, const Eigen::Vector3f&) { out(u, v) = k; });
     }
   });
   return out;
@@ -180,7 +247,7 @@ Image<std::uint8_t> labels(const RgbdLevel& level, const std::vector<Eigen::Vect
 Adjacency adjacencyOf(const RgbdLevel& level, const Image<std::uint8_t>& label, std::size_t count,
                       double contact_m) {
   Adjacency out(count);
-  const RowKernel kernel(level);
+  const Rays rays(level);
   const auto limit = static_cast<float>(std::pow(contact_m * 240.0 / level.depth.height(), 2));
   for (int v = 0; v < level.depth.height(); ++v) {
     for (int u = 0; u < level.depth.width(); ++u) {
@@ -189,7 +256,7 @@ Adjacency adjacencyOf(const RgbdLevel& level, const Image<std::uint8_t>& label, 
       const auto join = [&](int u2, int v2) {
         const std::uint8_t other = label(u2, v2);
         if (other == kNoCluster || other == k) return;
-        const Eigen::Vector3f d = kernel.point(u, v) - kernel.point(u2, v2);
+        const Eigen::Vector3f d = rays.point(u, v) - rays.point(u2, v2);
         const float lateral = u2 != u ? d.x() : d.y();
         if (d.z() * d.z() + lateral * lateral < limit) out.join(k, other);
       };
