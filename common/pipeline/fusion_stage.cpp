@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/fusion_stage.hpp"
 
-#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -18,25 +17,12 @@
 #include "pipeline/map_update.hpp"
 #include "pipeline/object_following.hpp"
 #include "pipeline/pose_uncertainty.hpp"
+#include "values/stage_clock.hpp"
 
 namespace rf {
 namespace {
 
 constexpr int kFeedbackReduction = 4;
-
-class StageClock {
- public:
-  explicit StageClock(StageTimes& times) : times_(times) {}
-  void lap(const char* name) {
-    const auto now = std::chrono::steady_clock::now();
-    times_.emplace_back(name, std::chrono::duration<double, std::milli>(now - last_).count());
-    last_ = now;
-  }
-
- private:
-  StageTimes& times_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 // What the next frame's steps need to know of this one.
 void remember(const SegmentationResult& s, const SE3& T_WC_before, FusionState& m) {
@@ -101,27 +87,27 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   FusionState& m = impl_->state;
   checkFusionInput(frame, segmentation, impl_->input_camera);
   StageTimes times;
-  StageClock clock(times);
+  StageClock clock;
   const FusionInput f = prepareFusionInput(frame, segmentation, impl_->undistorter, m.config);
   ++m.time;
-  clock.lap("prep");
+  clock.lap("prep", times);
   const SE3 before = m.camera_pose.T_W;
   MayFuse may;
   may.world = trackCamera(f, segmentation, m);
-  clock.lap("track_camera");
+  clock.lap("track_camera", times);
   const ObjectAction action = advance(m.life, signsOf(segmentation, m), m.config.object);
   may.object = followObject(f, segmentation, action, m);
   notePlace(action, m);
-  clock.lap("track_object");
+  clock.lap("track_object", times);
   predictModels(action, m);
   if (may.world && closeLoop(f, m)) may.world = false;
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);
   settleUncertainty(f, segmentation, action, may, m);
-  clock.lap("predict");
+  clock.lap("predict", times);
   fuseModels(f, action, may, m);
-  clock.lap("fuse");
+  clock.lap("fuse", times);
   cleanModels(f, action, may, m);
-  clock.lap("clean");
+  clock.lap("clean", times);
   remember(segmentation, before, m);
   ModelState state = report(frame, impl_->input_camera, m);
   state.stage_ms = std::move(times);

@@ -12,16 +12,28 @@ OfflinePipeline::OfflinePipeline(const PipelineConfig& config, const Camera& cam
       segmentation_(config.segmentation, camera),
       fusion_(config.fusion, camera) {}
 
-OfflinePipeline::Output OfflinePipeline::process(const RgbdFrame& frame, bool coded) {
-  Output out;
+OfflinePipeline::Input OfflinePipeline::prepare(const RgbdFrame& frame, bool coded) {
+  Input out;
   out.frame = coded ? frame : roundTrip(frame, codec_);
   out.prior = prior_.process(frame.utime, frame.seq);
-  out.segmentation =
-      segmentation_.process(out.frame, out.prior, has_state_ ? &last_state_ : nullptr);
+  out.segmentation = segmentation_.prepare(out.frame, out.prior);
+  return out;
+}
+
+OfflinePipeline::Output OfflinePipeline::process(Input input) {
+  Output out;
+  out.segmentation = segmentation_.process(std::move(input.segmentation), input.prior,
+                                           has_state_ ? &last_state_ : nullptr);
+  out.frame = std::move(input.frame);
+  out.prior = std::move(input.prior);
   out.state = fusion_.process(out.frame, out.segmentation);
   last_state_ = out.state;
   has_state_ = true;
   return out;
+}
+
+OfflinePipeline::Output OfflinePipeline::process(const RgbdFrame& frame, bool coded) {
+  return process(prepare(frame, coded));
 }
 
 }  // namespace rf

@@ -24,10 +24,21 @@ class OfflinePipeline {
     ModelState state;
   };
 
+  /// A frame on its way: all that depends on it alone.
+  struct Input {
+    RgbdFrame frame;  ///< after the codec
+    MotionPrior prior;
+    SegmentationInput segmentation;
+  };
+
   OfflinePipeline(const PipelineConfig& config, const Camera& camera, PriorStage prior);
 
-  /// Throws std::invalid_argument when the frame's size is not the camera's.
-  /// `coded`: the frame's colour went through the codec before, as in logs.
+  /// First half of process(); frames in their order, one of them beside process() of the frame
+  /// before. Throws std::invalid_argument when the frame's size is not the camera's. `coded`: the
+  /// frame's colour went through the codec before, as in logs.
+  Input prepare(const RgbdFrame& frame, bool coded = false);
+  Output process(Input input);
+  /// Both halves.
   Output process(const RgbdFrame& frame, bool coded = false);
   const FusionStage& fusion() const { return fusion_; }
 

@@ -2,16 +2,17 @@
 #include "pipeline/segmentation_stage.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "geometry/undistort.hpp"
 #include "kinematics/self_filter.hpp"
 #include "segmentation/paper_segmenter.hpp"
 #include "segmentation/rigidfusion_segmenter.hpp"
+#include "values/stage_clock.hpp"
 
 namespace rf {
 namespace {
@@ -32,37 +33,49 @@ RgbdFrame without(const RgbdFrame& frame, const Image<std::uint8_t>& self) {
   return out;
 }
 
-/// Labels the working pixels that show the robot, if only in part.
-void labelSelf(const Image<std::uint8_t>& self, const Undistorter& undistorter,
-               SegmentationResult& result) {
+/// The working pixels that show the robot, if only in part.
+Image<std::uint8_t> reduced(const Image<std::uint8_t>& self, const Undistorter& undistorter,
+                            int reduction) {
   Image<std::uint16_t> wide(self.width(), self.height());
   std::copy(self.begin(), self.end(), wide.begin());
   const Image<std::uint16_t> ideal = undistorter.depth(wide);
-  const int n = result.reduction;
-  for (int v = 0; v < result.label.height(); ++v) {
-    for (int u = 0; u < result.label.width(); ++u) {
-      bool robot = false;
-      for (int k = 0; k < n * n; ++k) robot |= ideal(u * n + k % n, v * n + k / n) != 0;
-      if (!robot) continue;
-      result.label(u, v) = kSelfLabel;
-      result.score(u, v) = 255;
+  const int n = reduction;
+  Image<std::uint8_t> out(self.width() / n, self.height() / n, 0);
+  for (int v = 0; v < out.height(); ++v) {
+    for (int u = 0; u < out.width(); ++u) {
+      for (int k = 0; k < n * n; ++k) out(u, v) |= ideal(u * n + k % n, v * n + k / n) != 0;
     }
   }
+  return out;
 }
 
-void noteSelf(const SelfMask& self, const RgbdFrame& frame, SegmentationResult& result) {
+void noteSelf(const SelfMask& self, const RgbdFrame& frame, SegmentationInput& input) {
   const auto measured =
       std::count_if(frame.depth_mm.begin(), frame.depth_mm.end(), [](auto mm) { return mm != 0; });
-  if (measured > 0) result.self_share = self.pixels / static_cast<double>(measured);
+  if (measured > 0) input.self_share = self.pixels / static_cast<double>(measured);
   const int there = self.pixels + self.behind;
-  if (there > 0) result.self_behind = self.behind / static_cast<double>(there);
+  if (there > 0) input.self_behind = self.behind / static_cast<double>(there);
+}
+
+/// Labels the robot in the result.
+void labelSelf(const SegmentationInput& input, SegmentationResult& result) {
+  for (std::size_t i = 0; i < input.self.size(); ++i) {
+    if (input.self[i] == 0) continue;
+    result.label[i] = kSelfLabel;
+    result.score[i] = 255;
+  }
+  result.self_share = input.self_share;
+  result.self_behind = input.self_behind;
 }
 
 }  // namespace
 
 struct SegmentationStage::Impl {
   Impl(const SegmentationConfig& config, const Camera& cam)
-      : camera(cam), segmenter(makeSegmenter(config, cam)), self_config(config.self_filter) {}
+      : camera(cam),
+        segmenter(makeSegmenter(config, cam)),
+        reduction(config.reduction),
+        self_config(config.self_filter) {}
 
   /// The robot's own pixels; made at the first prior that knows its shapes.
   SelfMask selfOf(const RgbdFrame& frame, const MotionPrior& prior) {
@@ -75,9 +88,10 @@ struct SegmentationStage::Impl {
 
   Camera camera;
   Segmenter segmenter;
+  int reduction;
   SelfFilterConfig self_config;
-  std::optional<SelfFilter> self_filter;
-  std::optional<Undistorter> undistorter;
+  std::optional<SelfFilter> self_filter;   // read and made by prepare() alone
+  std::optional<Undistorter> undistorter;  // the same
 };
 
 SegmentationStage::SegmentationStage(const SegmentationConfig& config, const Camera& camera) {
@@ -87,8 +101,7 @@ SegmentationStage::SegmentationStage(const SegmentationConfig& config, const Cam
 
 SegmentationStage::~SegmentationStage() = default;
 
-SegmentationResult SegmentationStage::process(const RgbdFrame& frame, const MotionPrior& prior,
-                                              const ModelState* feedback) {
+SegmentationInput SegmentationStage::prepare(const RgbdFrame& frame, const MotionPrior& prior) {
   const Camera& camera = impl_->camera;
   if (frame.depth_mm.width() != camera.width || frame.depth_mm.height() != camera.height ||
       frame.colour.width() != camera.width || frame.colour.height() != camera.height) {
@@ -97,18 +110,36 @@ SegmentationResult SegmentationStage::process(const RgbdFrame& frame, const Moti
                                 std::to_string(frame.depth_mm.height()) + " is not the camera's " +
                                 std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
-  const auto segment = [&](const RgbdFrame& seen) {
-    return std::visit([&](auto& s) { return s.process(seen, prior, feedback); }, impl_->segmenter);
+  SegmentationInput out;
+  const auto prepared = [&](const RgbdFrame& seen) {
+    return std::visit([&](const auto& s) { return s.prepare(seen); }, impl_->segmenter);
   };
-  if (prior.self.empty() || !impl_->self_config.enabled) return segment(frame);
-  const auto begin = std::chrono::steady_clock::now();
+  if (prior.self.empty() || !impl_->self_config.enabled) {
+    out.frame = prepared(frame);
+    return out;
+  }
+  StageClock clock;
   const SelfMask self = impl_->selfOf(frame, prior);
-  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
-  SegmentationResult result = segment(self.pixels > 0 ? without(frame, self.mask) : frame);
-  if (self.pixels > 0) labelSelf(self.mask, *impl_->undistorter, result);
-  noteSelf(self, frame, result);
-  result.stage_ms.insert(result.stage_ms.begin(), {"self", spent.count()});
+  noteSelf(self, frame, out);
+  if (self.pixels > 0) out.self = reduced(self.mask, *impl_->undistorter, impl_->reduction);
+  clock.lap("self", out.self_ms);
+  out.frame = prepared(self.pixels > 0 ? without(frame, self.mask) : frame);
+  return out;
+}
+
+SegmentationResult SegmentationStage::process(SegmentationInput input, const MotionPrior& prior,
+                                              const ModelState* feedback) {
+  SegmentationResult result =
+      std::visit([&](auto& s) { return s.process(std::move(input.frame), prior, feedback); },
+                 impl_->segmenter);
+  labelSelf(input, result);
+  result.stage_ms.insert(result.stage_ms.begin(), input.self_ms.begin(), input.self_ms.end());
   return result;
+}
+
+SegmentationResult SegmentationStage::process(const RgbdFrame& frame, const MotionPrior& prior,
+                                              const ModelState* feedback) {
+  return process(prepare(frame, prior), prior, feedback);
 }
 
 void SegmentationStage::reset() {

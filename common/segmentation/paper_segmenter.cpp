@@ -2,7 +2,6 @@
 #include "segmentation/paper_segmenter.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,9 +10,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "geometry/undistort.hpp"
 #include "segmentation/clusters.hpp"
 #include "segmentation/paper_solver.hpp"
+#include "values/stage_clock.hpp"
 
 namespace rf {
 namespace {
@@ -22,18 +21,6 @@ constexpr int kSeedLevel = 2;            // where the outlier rule looks for a b
 constexpr double kPixelsPerSample = 10;  // residuals of neighbouring pixels are correlated
 constexpr double kWorstPrior = 6;        // Mahalanobis distance from a prior that is not "tracked"
 constexpr double kWorstFit = 3;          // residuals this many sigma large are not "tracked"
-
-class Stopwatch {
- public:
-  void lap(const char* stage, StageTimes& out) {
-    const auto now = std::chrono::steady_clock::now();
-    out.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// Priors of one frame pair as motions, where they are usable.
 struct Priors {
@@ -125,14 +112,14 @@ struct PaperSegmenter::Impl {
       : config(segmentation_config),
         paper(segmentation_config.paper),
         camera(input_camera),
-        undistorter(input_camera),
+        preparer(segmentation_config, input_camera, {paper.levels, paper.clusters, false}),
         rule(ruleOf(config.mode)),
         uses_prior(config.mode == "rigidfusion-paper" || config.mode == "static-prior") {}
 
   SegmentationConfig config;
   PaperConfig paper;
   Camera camera;
-  Undistorter undistorter;
+  FramePreparer preparer;
   ScoreRule rule;
   bool uses_prior;
   PaperWorkspace workspace;
@@ -141,11 +128,11 @@ struct PaperSegmenter::Impl {
   std::int64_t pairs = 0;
   Consistency camera_consistency, object_consistency;
 
-  SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior);
+  SegmentationResult process(PreparedFrame frame, const MotionPrior& prior);
   SE3 firstObjectPose(const MotionPrior& prior) const;
   Priors usablePriors(const MotionPrior& prior) const;
   void estimate(const Clusters& clusters, const Priors& priors, Previous& now,
-                SegmentationResult& out, Stopwatch& watch);
+                SegmentationResult& out);
   PaperFit solveOneBody(PaperProblem problem, const SE3& start);
   PaperFit solveTwoBodies(PaperProblem problem, const Priors& priors, const SE3& start,
                           std::string& hypothesis);
@@ -254,7 +241,8 @@ void PaperSegmenter::Impl::coast(const Priors& priors, Previous& now,
 }
 
 void PaperSegmenter::Impl::estimate(const Clusters& clusters, const Priors& priors, Previous& now,
-                                    SegmentationResult& out, Stopwatch& watch) {
+                                    SegmentationResult& out) {
+  StageClock clock;
   PaperProblem problem;
   problem.a = &last->pyramid;
   problem.b = &now.pyramid;
@@ -278,7 +266,7 @@ void PaperSegmenter::Impl::estimate(const Clusters& clusters, const Priors& prio
     out.hypothesis = gated ? "gated" : config.mode;
     fit = solveOneBody(problem, start);
   }
-  watch.lap("solve", out.stage_ms);
+  clock.lap("solve", out.stage_ms);
 
   const PaperState& state = fit.state;
   now.scores = perPixel<float>(clusters.label[0], state.gamma, 1.0F, [](float g) { return g; });
@@ -313,24 +301,14 @@ void PaperSegmenter::Impl::estimate(const Clusters& clusters, const Priors& prio
   out.dynamic_share = dynamicShare(out.label, out.gamma);
 }
 
-SegmentationResult PaperSegmenter::Impl::process(const RgbdFrame& frame, const MotionPrior& prior) {
-  Stopwatch watch;
+SegmentationResult PaperSegmenter::Impl::process(PreparedFrame frame, const MotionPrior& prior) {
+  SegmentationResult out;
+  out.stage_ms = std::move(frame.stage_ms);
   Previous now;
   now.utime = frame.utime;
-  RgbdLevel finest =
-      reduceFrame(undistorter.colour(frame.colour), undistorter.depth(frame.depth_mm),
-                  camera.undistorted(), config.reduction, config.min_depth_m, config.max_depth_m);
-  const auto measured =
-      std::count_if(finest.depth.begin(), finest.depth.end(), [](float z) { return z > 0; });
-  now.usable = static_cast<double>(measured) >=
-               config.min_depth_share * static_cast<double>(finest.depth.size());
-  now.pyramid = buildPyramid(std::move(finest), paper.levels);
-  SegmentationResult out;
-  watch.lap("prepare", out.stage_ms);
-  ClusterParams cluster_params = config.clusters;
-  cluster_params.count = config.paper.clusters;
-  const Clusters clusters = clusterFrame(now.pyramid, cluster_params);
-  watch.lap("cluster", out.stage_ms);
+  now.usable = frame.usable;
+  now.pyramid = std::move(frame.pyramid);
+  const Clusters& clusters = frame.clusters;
 
   out.utime = frame.utime;
   out.seq = frame.seq;
@@ -350,7 +328,7 @@ SegmentationResult PaperSegmenter::Impl::process(const RgbdFrame& frame, const M
     out.utime_a = last->utime;
     const Priors priors = usablePriors(prior);
     if (now.usable && last->usable) {
-      estimate(clusters, priors, now, out, watch);
+      estimate(clusters, priors, now, out);
       ++pairs;
     } else {
       coast(priors, now, out);
@@ -370,9 +348,13 @@ PaperSegmenter::PaperSegmenter(const SegmentationConfig& config, const Camera& c
 PaperSegmenter::~PaperSegmenter() = default;
 PaperSegmenter::PaperSegmenter(PaperSegmenter&&) noexcept = default;
 
-SegmentationResult PaperSegmenter::process(const RgbdFrame& frame, const MotionPrior& prior,
+PreparedFrame PaperSegmenter::prepare(const RgbdFrame& frame) const {
+  return impl_->preparer.prepare(frame);
+}
+
+SegmentationResult PaperSegmenter::process(PreparedFrame frame, const MotionPrior& prior,
                                            const ModelState* /*feedback*/) {
-  return impl_->process(frame, prior);
+  return impl_->process(std::move(frame), prior);
 }
 
 void PaperSegmenter::reset() { impl_ = std::make_unique<Impl>(impl_->config, impl_->camera); }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "geometry/camera.hpp"
+#include "segmentation/prepared_frame.hpp"
 #include "segmentation/segmentation_config.hpp"
 #include "values/frame.hpp"
 #include "values/model_state.hpp"
@@ -25,9 +26,9 @@ class PaperSegmenter {
   ~PaperSegmenter();
   PaperSegmenter(PaperSegmenter&&) noexcept;
 
-  /// Throws std::invalid_argument when the frame's size is not the camera's; the state is
-  /// unchanged.
-  SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
+  /// Throws std::invalid_argument when the frame's size is not the camera's.
+  PreparedFrame prepare(const RgbdFrame& frame) const;
+  SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
   void reset();
 

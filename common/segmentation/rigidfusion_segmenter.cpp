@@ -2,13 +2,11 @@
 #include "segmentation/rigidfusion_segmenter.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <optional>
 #include <utility>
 
-#include "geometry/undistort.hpp"
 #include "segmentation/clusters.hpp"
 #include "segmentation/hypotheses.hpp"
 #include "segmentation/map_evidence.hpp"
@@ -16,6 +14,7 @@
 #include "segmentation/prior_filter.hpp"
 #include "segmentation/prior_intake.hpp"
 #include "segmentation/score_images.hpp"
+#include "values/stage_clock.hpp"
 
 namespace rf {
 namespace {
@@ -23,37 +22,26 @@ namespace {
 constexpr int kLevels = 3;  // working resolution and the two below it
 constexpr int kMaskLevel = 0, kFineLevel = 1, kCoarseLevel = 2;
 
-class Clock {
- public:
-  void lap(const char* stage, StageTimes& out) {
-    const auto now = std::chrono::steady_clock::now();
-    out.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace
 
 struct RigidFusionSegmenter::Impl {
   Impl(const SegmentationConfig& segmentation_config, const Camera& input_camera)
       : config(segmentation_config),
         camera(input_camera),
-        undistorter(input_camera),
+        preparer(segmentation_config, input_camera,
+                 {kLevels, segmentation_config.clusters.count, true}),
         priors(config) {}
 
   SegmentationConfig config;
   Camera camera;
-  Undistorter undistorter;
+  FramePreparer preparer;
   PriorIntake priors;
   std::deque<PastFrame> past;  ///< oldest first
   std::optional<MapView> map;  ///< both models as seen from ...
   SE3 T_WM, T_MO;              ///< ... this camera, and where the body was then
   LastMotion last_motion;
 
-  SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
+  SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
   void applyFeedback(const ModelState* feedback);
   const PastFrame* reference(const PastFrame& now) const;
@@ -68,7 +56,7 @@ struct RigidFusionSegmenter::Impl {
   void takeMask(const JointFit& fit, const PastFrame& reference, const Clusters& clusters,
                 const JointPrior& prior, PastFrame& now, SegmentationResult& out) const;
   void estimate(const PastFrame& reference, const Clusters& clusters, PastFrame& now,
-                SegmentationResult& out, Clock& clock);
+                SegmentationResult& out);
   Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
   void coast(PastFrame& now, SegmentationResult& out) const;
   void finish(PastFrame& now, SegmentationResult& out);
@@ -250,7 +238,8 @@ void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& 
 }
 
 void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& clusters,
-                                          PastFrame& now, SegmentationResult& out, Clock& clock) {
+                                          PastFrame& now, SegmentationResult& out) {
+  StageClock clock;
   const DecisionInput input = decisionInput(ref, now, clusters);
   const Decision decision = decide(input, config.joint, config.decision, config.terms, config.map);
   clock.lap("decide", out.stage_ms);
@@ -279,30 +268,18 @@ void RigidFusionSegmenter::Impl::finish(PastFrame& now, SegmentationResult& out)
   }
 }
 
-SegmentationResult RigidFusionSegmenter::Impl::process(const RgbdFrame& frame,
+SegmentationResult RigidFusionSegmenter::Impl::process(PreparedFrame frame,
                                                        const MotionPrior& prior,
                                                        const ModelState* feedback) {
-  Clock clock;
   SegmentationResult out;
+  out.stage_ms = std::move(frame.stage_ms);
   applyFeedback(feedback);
   PastFrame now;
   now.utime = frame.utime;
-  RgbdLevel finest =
-      reduceFrame(undistorter.colour(frame.colour), undistorter.depth(frame.depth_mm),
-                  camera.undistorted(), config.reduction, config.min_depth_m, config.max_depth_m);
-  const std::size_t pixels = finest.depth.size();
-  const auto measured =
-      std::count_if(finest.depth.begin(), finest.depth.end(), [](float z) { return z > 0; });
-  now.usable =
-      static_cast<double>(measured) >= config.min_depth_share * static_cast<double>(pixels);
-  const std::vector<RgbdLevel> pyramid = buildPyramid(std::move(finest), kLevels);
-  now.levels.resize(kLevels);
-  for (int level = kFineLevel; level < kLevels; ++level)
-    now.levels[level] = makeTermLevel(pyramid[level]);
-  now.mask_depth = pyramid[kMaskLevel].depth;
-  clock.lap("prepare", out.stage_ms);
-  const Clusters clusters = clusterFrame(pyramid, config.clusters);
-  clock.lap("cluster", out.stage_ms);
+  now.usable = frame.usable;
+  now.levels = std::move(frame.terms);
+  now.mask_depth = std::move(frame.pyramid[kMaskLevel].depth);
+  const Clusters& clusters = frame.clusters;
 
   out.utime = frame.utime;
   out.seq = frame.seq;
@@ -322,7 +299,7 @@ SegmentationResult RigidFusionSegmenter::Impl::process(const RgbdFrame& frame,
     priors.accept(prior, last_motion, now);
     const PastFrame* ref = now.usable ? reference(now) : nullptr;
     if (ref != nullptr) {
-      estimate(*ref, clusters, now, out, clock);
+      estimate(*ref, clusters, now, out);
     } else {
       coast(now, out);
     }
@@ -343,9 +320,13 @@ RigidFusionSegmenter::RigidFusionSegmenter(const SegmentationConfig& config, con
 RigidFusionSegmenter::~RigidFusionSegmenter() = default;
 RigidFusionSegmenter::RigidFusionSegmenter(RigidFusionSegmenter&&) noexcept = default;
 
-SegmentationResult RigidFusionSegmenter::process(const RgbdFrame& frame, const MotionPrior& prior,
+PreparedFrame RigidFusionSegmenter::prepare(const RgbdFrame& frame) const {
+  return impl_->preparer.prepare(frame);
+}
+
+SegmentationResult RigidFusionSegmenter::process(PreparedFrame frame, const MotionPrior& prior,
                                                  const ModelState* feedback) {
-  return impl_->process(frame, prior, feedback);
+  return impl_->process(std::move(frame), prior, feedback);
 }
 
 void RigidFusionSegmenter::reset() { impl_ = std::make_unique<Impl>(impl_->config, impl_->camera); }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "geometry/camera.hpp"
+#include "segmentation/prepared_frame.hpp"
 #include "segmentation/segmentation_config.hpp"
 #include "values/frame.hpp"
 #include "values/model_state.hpp"
@@ -21,7 +22,8 @@ class RigidFusionSegmenter {
   ~RigidFusionSegmenter();
   RigidFusionSegmenter(RigidFusionSegmenter&&) noexcept;
 
-  SegmentationResult process(const RgbdFrame& frame, const MotionPrior& prior,
+  PreparedFrame prepare(const RgbdFrame& frame) const;
+  SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
   void reset();
 

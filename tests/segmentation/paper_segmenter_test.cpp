@@ -120,11 +120,16 @@ void expectSane(const SegmentationResult& r) {
   }
 }
 
+SegmentationResult segment(PaperSegmenter& segmenter, const RgbdFrame& frame,
+                           const MotionPrior& prior, const ModelState* feedback) {
+  return segmenter.process(segmenter.prepare(frame), prior, feedback);
+}
+
 TEST(PaperSegmenter, FindsAFastObjectWithGoodPriors) {
   PaperSegmenter segmenter(configOf("rigidfusion-paper"), testCamera());
   for (int k = 0; k < 6; ++k) {
     const SegmentationResult r =
-        segmenter.process(render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
+        segment(segmenter, render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
     expectSane(r);
     EXPECT_EQ(r.first, k == 0);
     if (k < 3) continue;  // S_T lets a switch take two frames
@@ -142,7 +147,7 @@ TEST(PaperSegmenter, FindsAFastObjectWithGoodPriors) {
 TEST(PaperSegmenter, TheGateKeepsAllStaticWhilePriorsAgree) {
   PaperSegmenter segmenter(configOf("rigidfusion-paper"), testCamera());
   for (int k = 0; k < 3; ++k) {
-    const SegmentationResult r = segmenter.process(render(k, 0), goodPrior(k, 0), nullptr);
+    const SegmentationResult r = segment(segmenter, render(k, 0), goodPrior(k, 0), nullptr);
     if (k == 0) continue;
     EXPECT_EQ(r.hypothesis, "gated");
     EXPECT_FALSE(r.object_moving);
@@ -158,7 +163,7 @@ TEST(PaperSegmenter, StartsWithoutAnObjectPriorFromOutliers) {
     MotionPrior prior = goodPrior(k, 0);
     prior.object = PriorState::kMissing;
     prior.object_kind = ObjectPriorKind::kNone;
-    const SegmentationResult r = segmenter.process(render(k, kObjectStep * k), prior, nullptr);
+    const SegmentationResult r = segment(segmenter, render(k, kObjectStep * k), prior, nullptr);
     expectSane(r);
     EXPECT_FALSE(r.has_T_CO);
     if (k < 2) continue;
@@ -174,7 +179,7 @@ TEST(PaperSegmenter, BaselinesEstimateTheWorld) {
     PaperSegmenter segmenter(configOf(mode), testCamera());
     for (int k = 0; k < 4; ++k) {
       const SegmentationResult r =
-          segmenter.process(render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
+          segment(segmenter, render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
       expectSane(r);
       if (k < 2) continue;
       EXPECT_EQ(r.hypothesis, mode);
@@ -191,18 +196,18 @@ TEST(PaperSegmenter, BaselinesEstimateTheWorld) {
 
 TEST(PaperSegmenter, FramesWithoutDepthFallBackToThePriorAndSaySo) {
   PaperSegmenter segmenter(configOf("rigidfusion-paper"), testCamera());
-  segmenter.process(render(0, 0), goodPrior(0, kObjectStep), nullptr);
+  segment(segmenter, render(0, 0), goodPrior(0, kObjectStep), nullptr);
   RgbdFrame blind = render(1, kObjectStep);
   std::fill(blind.depth_mm.begin(), blind.depth_mm.end(), std::uint16_t{0});
-  SegmentationResult r = segmenter.process(blind, goodPrior(1, kObjectStep), nullptr);
+  SegmentationResult r = segment(segmenter, blind, goodPrior(1, kObjectStep), nullptr);
   expectSane(r);
   EXPECT_EQ(r.camera.health, Health::kPriorOnly);
   EXPECT_NEAR(r.camera.T_AB.t.x(), kCameraStep + 0.002, 1e-12);
   EXPECT_TRUE(r.gamma.empty());
-  r = segmenter.process(render(2, 2 * kObjectStep), MotionPrior{}, nullptr);
+  r = segment(segmenter, render(2, 2 * kObjectStep), MotionPrior{}, nullptr);
   EXPECT_EQ(r.camera.health, Health::kLost);
   for (int k = 3; k < 6; ++k) {
-    r = segmenter.process(render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
+    r = segment(segmenter, render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr);
   }
   EXPECT_EQ(r.camera.health, Health::kTracked);
   EXPECT_TRUE(r.object_moving);
@@ -210,13 +215,13 @@ TEST(PaperSegmenter, FramesWithoutDepthFallBackToThePriorAndSaySo) {
 
 TEST(PaperSegmenter, MissingAndNonFinitePriorsAreFlagged) {
   PaperSegmenter segmenter(configOf("rigidfusion-paper"), testCamera());
-  segmenter.process(render(0, 0), MotionPrior{}, nullptr);
+  segment(segmenter, render(0, 0), MotionPrior{}, nullptr);
   MotionPrior bad = goodPrior(1, 0);
   bad.T_CaCb.t.x() = std::numeric_limits<double>::quiet_NaN();
   bad.T_XOa.t.y() = std::numeric_limits<double>::infinity();
   for (int k = 1; k < 3; ++k) {
     const SegmentationResult r =
-        segmenter.process(render(k, 0), k == 1 ? bad : MotionPrior{}, nullptr);
+        segment(segmenter, render(k, 0), k == 1 ? bad : MotionPrior{}, nullptr);
     expectSane(r);
     EXPECT_EQ(r.camera.health, Health::kDegraded);
     EXPECT_NEAR(r.camera.T_AB.t.x(), kCameraStep, 0.002);
@@ -228,7 +233,7 @@ TEST(PaperSegmenter, APriorThatContradictsTheImageIsSaid) {
   for (int k = 0; k < 2; ++k) {
     MotionPrior prior = goodPrior(k, 0);
     prior.camera_cov *= 1e-4;
-    const SegmentationResult r = segmenter.process(render(k, 0), prior, nullptr);
+    const SegmentationResult r = segment(segmenter, render(k, 0), prior, nullptr);
     if (k > 0) {
       EXPECT_EQ(r.camera.health, Health::kDegraded);
     }
@@ -242,7 +247,7 @@ TEST(PaperSegmenter, SameBytesForEveryThreadCountAndRun) {
     PaperSegmenter segmenter(configOf("rigidfusion-paper"), testCamera());
     for (int k = 0; k < 4; ++k) {
       results[run].push_back(
-          segmenter.process(render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr));
+          segment(segmenter, render(k, kObjectStep * k), goodPrior(k, kObjectStep), nullptr));
     }
   }
   setThreads(1);
@@ -265,10 +270,10 @@ TEST(PaperSegmenter, RefusesWhatItCannotProcess) {
   bad.fx = 0;
   EXPECT_THROW(PaperSegmenter(configOf("vo"), bad), std::invalid_argument);
   PaperSegmenter segmenter(configOf("vo"), testCamera());
-  EXPECT_THROW(segmenter.process(RgbdFrame{}, MotionPrior{}, nullptr), std::invalid_argument);
-  EXPECT_TRUE(segmenter.process(render(0, 0), MotionPrior{}, nullptr).first);
+  EXPECT_THROW(segment(segmenter, RgbdFrame{}, MotionPrior{}, nullptr), std::invalid_argument);
+  EXPECT_TRUE(segment(segmenter, render(0, 0), MotionPrior{}, nullptr).first);
   segmenter.reset();
-  EXPECT_TRUE(segmenter.process(render(1, 0), MotionPrior{}, nullptr).first);
+  EXPECT_TRUE(segment(segmenter, render(1, 0), MotionPrior{}, nullptr).first);
 }
 
 }  // namespace

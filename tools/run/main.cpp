@@ -2,8 +2,11 @@
 // rf-run: the whole pipeline in one process, offline.
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -34,6 +37,27 @@ void progress(std::size_t done, std::size_t total, const rf::OfflinePipeline::Ou
              100 * out.segmentation.dynamic_share, out.segmentation.hypothesis);
 }
 
+/// The next frame of the recording, read and prepared while the one before is still in the
+/// pipeline. What went wrong is for its own turn.
+struct Ahead {
+  std::optional<rf::SourcedFrame> input;  ///< nothing: the recording is over
+  std::optional<rf::OfflinePipeline::Input> prepared;
+  std::exception_ptr error;
+};
+
+Ahead readAhead(rf::FrameSource& source, rf::OfflinePipeline& pipeline) {
+  Ahead out;
+  try {
+    out.input = source.next();
+    if (out.input && out.input->frame) {
+      out.prepared = pipeline.prepare(*out.input->frame, out.input->coded);
+    }
+  } catch (...) {
+    out.error = std::current_exception();
+  }
+  return out;
+}
+
 int run(const rf::RunOptions& options) {
   rf::setThreads(options.threads);
   const rf::PipelineConfig config = rf::effectiveConfig(options);
@@ -45,16 +69,21 @@ int run(const rf::RunOptions& options) {
   rf::ResultWriter writer(options.output, source->camera(),
                           {options.write_masks, rf::writeConfig(config)});
   std::size_t done = 0;
+  Ahead next = readAhead(*source, pipeline);
   while (g_stop == 0) {
-    const std::optional<rf::SourcedFrame> input = source->next();
-    if (!input) break;
+    Ahead now = std::move(next);
+    if (now.error) std::rethrow_exception(now.error);
+    if (!now.input) break;
     ++done;
-    if (!input->frame) {
-      fmt::print(stderr, "\n{}\n", input->problem);
-      writer.addLost(input->utime, input->seq, input->problem);
+    if (!now.prepared) {
+      fmt::print(stderr, "\n{}\n", now.input->problem);
+      writer.addLost(now.input->utime, now.input->seq, now.input->problem);
+      next = readAhead(*source, pipeline);
       continue;
     }
-    const rf::OfflinePipeline::Output out = pipeline.process(*input->frame, input->coded);
+    rf::OfflinePipeline::Output out;
+    rf::parallelCalls({[&] { out = pipeline.process(std::move(*now.prepared)); },
+                       [&] { next = readAhead(*source, pipeline); }});
     writer.addPrior(out.prior);
     writer.add(out.frame, out.segmentation, out.state);
     if (!options.quiet) progress(done, source->size(), out);
