@@ -52,6 +52,15 @@ struct Looks {
   alignas(32) std::array<std::int32_t, kBlock> usable;
 };
 
+/// Derivatives of a residual by the place in A, px and metres, and its weight.
+struct Gradient {
+  const Block& u;
+  const Block& v;
+  const Block& weight;
+  float sign;  ///< of u and v in the residual
+  float z;     ///< by the point's depth
+};
+
 /// Residuals and their rows, one body, a row of pixels at a time: in blocks, each step a loop for
 /// the vectoriser but for the look-up, which has its channels for lanes.
 class Warp {
@@ -66,13 +75,13 @@ class Warp {
   void lookUp(int n, const Places& at, Looks& seen) const;
   void residuals(int v, int begin, int n, const Places& at, Looks& seen, bool rows,
                  BodyTerms& out) const;
-  void derivatives(int v, int begin, int n, const Places& at, const Looks& mean,
-                   const Block& weight_i, const Block& weight_d, BodyTerms& out) const;
+  void derivatives(int v, int begin, int n, const Places& at, const Gradient& gradient,
+                   std::vector<float>* row) const;
 
   const TermLevel& a_;
   const TermLevel& b_;
-  std::array<float, 9> R_;  // row-major
-  std::array<float, 3> t_;
+  std::array<float, 9> rotation_;  // row-major
+  std::array<float, 3> translation_;
   float fx_, fy_, cx_, cy_;      // A
   float bfx_, bfy_, bcx_, bcy_;  // B
   float slant_, gate_, share_, sigma_i_, sigma_base_, sigma_quadratic_;
@@ -97,8 +106,8 @@ Warp::Warp(const TermLevel& level_a, const TermLevel& level_b, const SE3& T_AB,
       sigma_base_(static_cast<float>(params.depth_sigma_base_m)),
       sigma_quadratic_(static_cast<float>(params.depth_sigma_quadratic)) {
   const Mat3 R = T_AB.R();
-  for (int k = 0; k < 9; ++k) R_[k] = static_cast<float>(R(k / 3, k % 3));
-  for (int k = 0; k < 3; ++k) t_[k] = static_cast<float>(T_AB.t[k]);
+  for (int k = 0; k < 9; ++k) rotation_[k] = static_cast<float>(R(k / 3, k % 3));
+  for (int k = 0; k < 3; ++k) translation_[k] = static_cast<float>(T_AB.t[k]);
 }
 
 void Warp::project(int v, int begin, int n, Places& at) const {
@@ -106,8 +115,8 @@ void Warp::project(int v, int begin, int n, Places& at) const {
   const float ray_y = (static_cast<float>(v) - bcy_) / bfy_;
   const float u_max = static_cast<float>(a_.depth.width() - 1);
   const float v_max = static_cast<float>(a_.depth.height() - 1);
-  const auto [r00, r01, r02, r10, r11, r12, r20, r21, r22] = R_;
-  const auto [tx, ty, tz] = t_;
+  const auto [r00, r01, r02, r10, r11, r12, r20, r21, r22] = rotation_;
+  const auto [tx, ty, tz] = translation_;
   const float fx = fx_, fy = fy_, cx = cx_, cy = cy_, bcx = bcx_, bfx = bfx_;
 #pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
@@ -198,47 +207,46 @@ void Warp::residuals(int v, int begin, int n, const Places& at, Looks& seen, boo
     weight_i[i] = w_i;
     weight_d[i] = w_d;
   }
-  if (rows) derivatives(v, begin, n, at, seen, weight_i, weight_d, out);
+  if (!rows) return;
+  derivatives(v, begin, n, at, {seen.intensity_u, seen.intensity_v, weight_i, -1.0F, 0.0F},
+              out.row_intensity);
+  derivatives(v, begin, n, at, {seen.depth_u, seen.depth_v, weight_d, 1.0F, -1.0F}, out.row_depth);
 }
 
 /// d(projection)/d(p_A), then p_A <- p_A + R (dv + dw x p_B).
-void Warp::derivatives(int v, int begin, int n, const Places& at, const Looks& mean,
-                       const Block& weight_i, const Block& weight_d, BodyTerms& out) const {
+void Warp::derivatives(int v, int begin, int n, const Places& at, const Gradient& gradient,
+                       std::vector<float>* row) const {
   const std::size_t first = static_cast<std::size_t>(v) * b_.depth.width() + begin;
   const float* depth = b_.depth.row(v) + begin;
   const float ray_y = (static_cast<float>(v) - bcy_) / bfy_;
-  const auto [r00, r01, r02, r10, r11, r12, r20, r21, r22] = R_;
+  const auto [r00, r01, r02, r10, r11, r12, r20, r21, r22] = rotation_;
   const float fx = fx_, fy = fy_, bcx = bcx_, bfx = bfx_;
-  const auto fill = [&](std::vector<float>* row, float sign, float gz, const Block& gradient_u,
-                        const Block& gradient_v, const Block& weight) {
-    float* out0 = row[0].data() + first;
-    float* out1 = row[1].data() + first;
-    float* out2 = row[2].data() + first;
-    float* out3 = row[3].data() + first;
-    float* out4 = row[4].data() + first;
-    float* out5 = row[5].data() + first;
+  const float sign = gradient.sign, along_z = gradient.z;
+  float* out0 = row[0].data() + first;
+  float* out1 = row[1].data() + first;
+  float* out2 = row[2].data() + first;
+  float* out3 = row[3].data() + first;
+  float* out4 = row[4].data() + first;
+  float* out5 = row[5].data() + first;
 #pragma GCC ivdep
-    for (int i = 0; i < n; ++i) {
-      const float z_b = depth[i];
-      const float x_b = (static_cast<float>(begin + i) - bcx) / bfx * z_b;
-      const float y_b = ray_y * z_b;
-      const float gx = sign * gradient_u[i] * (fx * at.inverse_z[i]);
-      const float gy = sign * gradient_v[i] * (fy * at.inverse_z[i]);
-      const float g = gz - (gx * at.x[i] + gy * at.y[i]) * at.inverse_z[i];
-      const float w = weight[i];
-      const float ax = w * (r00 * gx + (r10 * gy + r20 * g));
-      const float ay = w * (r01 * gx + (r11 * gy + r21 * g));
-      const float az = w * (r02 * gx + (r12 * gy + r22 * g));
-      out0[i] = ax;
-      out1[i] = ay;
-      out2[i] = az;
-      out3[i] = y_b * az - z_b * ay;
-      out4[i] = z_b * ax - x_b * az;
-      out5[i] = x_b * ay - y_b * ax;
-    }
-  };
-  fill(out.row_intensity, -1.0F, 0.0F, mean.intensity_u, mean.intensity_v, weight_i);
-  fill(out.row_depth, 1.0F, -1.0F, mean.depth_u, mean.depth_v, weight_d);
+  for (int i = 0; i < n; ++i) {
+    const float z_b = depth[i];
+    const float x_b = (static_cast<float>(begin + i) - bcx) / bfx * z_b;
+    const float y_b = ray_y * z_b;
+    const float gx = sign * gradient.u[i] * (fx * at.inverse_z[i]);
+    const float gy = sign * gradient.v[i] * (fy * at.inverse_z[i]);
+    const float g = along_z - (gx * at.x[i] + gy * at.y[i]) * at.inverse_z[i];
+    const float w = gradient.weight[i];
+    const float ax = w * (r00 * gx + (r10 * gy + r20 * g));
+    const float ay = w * (r01 * gx + (r11 * gy + r21 * g));
+    const float az = w * (r02 * gx + (r12 * gy + r22 * g));
+    out0[i] = ax;
+    out1[i] = ay;
+    out2[i] = az;
+    out3[i] = y_b * az - z_b * ay;
+    out4[i] = z_b * ax - x_b * az;
+    out5[i] = x_b * ay - y_b * ax;
+  }
 }
 
 void Warp::row(int v, bool rows, BodyTerms& out) const {

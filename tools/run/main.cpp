@@ -71,7 +71,7 @@ int run(const rf::RunOptions& options) {
   std::size_t done = 0;
   Ahead next = readAhead(*source, pipeline);
   while (g_stop == 0) {
-    Ahead now = std::move(next);
+    Ahead now = std::exchange(next, {});
     if (now.error) std::rethrow_exception(now.error);
     if (!now.input) break;
     ++done;
