@@ -28,8 +28,8 @@ struct PreparedFrame {
 
 /// What a segmenter wants of its frames.
 struct PreparationNeeds {
-  int levels = 3;      ///< of the pyramid
-  int clusters = 96;   ///< K
+  int levels = 1;      ///< of the pyramid
+  int clusters = 1;    ///< K
   bool terms = false;  ///< image terms of the levels below the first
 };
 
