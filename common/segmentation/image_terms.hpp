@@ -45,9 +45,9 @@ struct TermLevel {
   Image<float> intensity_u, intensity_v;  ///< 1 / px
   Image<float> depth_u, depth_v;          ///< m / px, edge-preserving (algorithm A.4)
 
-  /// What linearise() reads of a pixel, side by side: intensity, depth, intensity_u, intensity_v,
-  /// depth_u, depth_v, and two that mean nothing. A bilinear look-up in all of them is one in
-  /// vectors.
+  /// The same side by side, as linearise() reads the pixels of A: intensity, depth, intensity_u,
+  /// intensity_v, depth_u, depth_v, and two that mean nothing. A bilinear look-up in all of them is
+  /// one in vectors. The planes are for the pixels of B, a row of which is a vector each.
   using Texel = Eigen::Array<float, 8, 1>;
   std::vector<Texel> texels;
   const Texel* row(int v) const {
