@@ -34,10 +34,11 @@ std::array<float, kToneSteps + 1> toneTable() {
   return table;
 }
 
+const std::array<float, kToneSteps + 1> kTone = toneTable();
+
 float tone(float linear) {
-  static const std::array<float, kToneSteps + 1> kTable = toneTable();
   const float at = std::clamp(linear / 1.25F, 0.0F, 1.0F) * kToneSteps;
-  return kTable[static_cast<std::size_t>(at)];
+  return kTone[static_cast<std::size_t>(at)];
 }
 
 /// Weights 1 6 1 over 8 along rows or columns.

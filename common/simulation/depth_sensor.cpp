@@ -48,8 +48,10 @@ Image<std::uint8_t> nearEdges(const Image<float>& z) {
   Image<std::uint8_t> out(z.width(), z.height());
   parallelRows(z.height(), [&](int v) {
     const int last = std::min(v + reach, z.height() - 1);
+    std::uint8_t* target = out.row(v);
     for (int k = std::max(0, v - reach); k <= last; ++k) {
-      for (int u = 0; u < z.width(); ++u) out(u, v) |= rows(u, k);
+      const std::uint8_t* source = rows.row(k);
+      for (int u = 0; u < z.width(); ++u) target[u] |= source[u];
     }
   });
   return out;

@@ -86,11 +86,14 @@ float ambientLight(const Vector3f& n) { return 0.25F + 0.06F * n.z(); }
 
 LampLight::LampLight(const World& world) {
   for (const Lamp& lamp : world.lamps) {
+    Group group{
+        lamp.centre_W.cast<float>(), static_cast<float>(lamp.half.head<2>().norm() + 0.03), {}};
     for (int i = 0; i < kLampColumns; ++i) {
       const double x = lamp.half.x() * (2.0 * (i + 0.5) / kLampColumns - 1.0);
       const double y = lamp.half.y() * (i % 2 == 0 ? -0.5 : 0.5);
-      points_.push_back({(lamp.centre_W + Vec3(x, y, -0.02)).cast<float>(), lamp.power});
+      group.points.push_back({(lamp.centre_W + Vec3(x, y, -0.02)).cast<float>(), lamp.power});
     }
+    groups_.push_back(std::move(group));
   }
   const Occlusion nothing(world, {}, {});
   const float middle = at(Vector3f::Zero(), Vector3f::UnitZ(), nothing).mean();
@@ -102,14 +105,16 @@ Vector3f LampLight::at(const Vector3f& p, const Vector3f& n, const Occlusion& hi
   Vector3f light = Vector3f::Zero();
   Vector3f all = Vector3f::Zero();
   const Vector3f from = p + kLift * n;
-  for (const Point& point : points_) {
-    const Vector3f d = point.place - from;
-    const float square = d.squaredNorm();
-    const float cosines = n.dot(d) * d.z();
-    if (cosines <= 0) continue;
-    const Vector3f arriving = point.power * (scale_ * cosines / (square * square));
-    all += arriving;
-    if (hides.empty() || !hides.blocked(from, point.place)) light += arriving;
+  for (const Group& group : groups_) {
+    for (const Point& point : group.points) {
+      const Vector3f d = point.place - from;
+      const float square = d.squaredNorm();
+      const float cosines = n.dot(d) * d.z();
+      if (cosines <= 0) continue;
+      const Vector3f arriving = point.power * (scale_ * cosines / (square * square));
+      all += arriving;
+      if (hides.empty() || !hides.blocked(from, point.place)) light += arriving;
+    }
   }
   if (unhidden != nullptr) *unhidden = all;
   return light;

@@ -28,10 +28,16 @@ class LampLight {
     Eigen::Vector3f place;
     Eigen::Vector3f power;
   };
-  const std::vector<Point>& points() const { return points_; }
+  /// A lamp as a ball about its points.
+  struct Group {
+    Eigen::Vector3f centre;
+    float radius = 0;
+    std::vector<Point> points;
+  };
+  const std::vector<Group>& groups() const { return groups_; }
 
  private:
-  std::vector<Point> points_;
+  std::vector<Group> groups_;
   float scale_ = 1;
 };
 

@@ -28,7 +28,8 @@ MovingLight::MovingLight(const World& world, const LampLight& lamps, const Rayca
                          const SurfaceImage& surface, std::span<const SE3> T_WB, const SE3& T_WC)
     : surface_(surface),
       world_(world),
-      grid_((surface.z.width() + kStep - 1) / kStep, (surface.z.height() + kStep - 1) / kStep) {
+      grid_((surface.z.width() + kStep - 1) / kStep, (surface.z.height() + kStep - 1) / kStep),
+      open_(grid_.width(), grid_.height()) {
   const Occlusion bodies(world, T_WB, movingPrimitives(world));
   const Occlusion nothing(world, T_WB, {});
   const Eigen::Matrix3f R_WC = T_WC.R().cast<float>();
@@ -57,6 +58,20 @@ MovingLight::MovingLight(const World& world, const LampLight& lamps, const Rayca
   parallelChunks(grid_.height(), [&](int gv) {
     for (int gu = 0; gu < grid_.width(); ++gu) light(gu, gv);
   });
+  findOpen();
+}
+
+void MovingLight::findOpen() {
+  const auto hidden = [&](int gu, int gv) {
+    const Sample& s = grid_(std::min(gu, grid_.width() - 1), std::min(gv, grid_.height() - 1));
+    return s.primitive >= 0 && !s.moving && s.value != Vector3f::Ones();
+  };
+  for (int v = 0; v < grid_.height(); ++v) {
+    for (int u = 0; u < grid_.width(); ++u) {
+      const bool any = hidden(u, v) || hidden(u + 1, v) || hidden(u, v + 1) || hidden(u + 1, v + 1);
+      open_(u, v) = any ? 0 : 1;
+    }
+  }
 }
 
 Vector3f MovingLight::at(int u, int v) const {
@@ -68,6 +83,7 @@ Vector3f MovingLight::at(int u, int v) const {
   const float y = std::max(0.0F, static_cast<float>(v - kOffset) / kStep);
   const int x0 = static_cast<int>(x);
   const int y0 = static_cast<int>(y);
+  if (!moving && open_(x0, y0) != 0) return Vector3f::Ones();
   Vector3f sum = Vector3f::Zero();
   float total = 0;
   for (int k = 0; k < 4; ++k) {

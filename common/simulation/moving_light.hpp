@@ -20,6 +20,7 @@ class MovingLight {
   Eigen::Vector3f at(int u, int v) const;
 
  private:
+  void findOpen();
   struct Sample {
     Eigen::Vector3f value = Eigen::Vector3f::Ones();
     float z = 0;
@@ -30,6 +31,7 @@ class MovingLight {
   const SurfaceImage& surface_;
   const World& world_;
   Image<Sample> grid_;
+  Image<std::uint8_t> open_;  ///< 1 where no static one of the samples at +0 and +1 is hidden
 };
 
 }  // namespace rf::sim

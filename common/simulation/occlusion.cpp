@@ -12,8 +12,8 @@ constexpr int kLeaf = 3;
 constexpr float kClear = 1e-3F;
 
 /// Whether the segment o + t d, t in (0, 1), crosses the box.
-bool crosses(const Vector3f& low, const Vector3f& high, const Vector3f& o,
-             const Vector3f& inverse) {
+inline bool crosses(const Vector3f& low, const Vector3f& high, const Vector3f& o,
+                    const Vector3f& inverse) {
   const Vector3f a = (low - o).cwiseProduct(inverse);
   const Vector3f b = (high - o).cwiseProduct(inverse);
   const float enter = a.cwiseMin(b).maxCoeff();
@@ -34,7 +34,10 @@ Occlusion::Occlusion(const World& world, std::span<const SE3> T_WB,
     solids_.push_back({T_PW.R().cast<float>(), T_PW.t.cast<float>(), p.half.cast<float>(), p.kind,
                        (T_WP.t - reach).cast<float>(), (T_WP.t + reach).cast<float>()});
   }
-  if (!solids_.empty()) build(0, static_cast<int>(solids_.size()));
+  if (solids_.empty()) return;
+  build(0, static_cast<int>(solids_.size()));
+  centre_ = 0.5F * (nodes_[0].low + nodes_[0].high);
+  square_radius_ = 1.01F * (nodes_[0].high - centre_).squaredNorm() + 1e-4F;
 }
 
 int Occlusion::build(int first, int count) {
@@ -63,15 +66,19 @@ int Occlusion::build(int first, int count) {
   return index;
 }
 
-bool Occlusion::mayBlock(const Vector3f& from, const Vector3f& to) const {
-  if (nodes_.empty()) return false;
-  const Vector3f d = to - from;
-  return crosses(nodes_[0].low, nodes_[0].high, from, d.cwiseInverse());
+bool Occlusion::passesBy(const Vector3f& from, const Vector3f& d) const {
+  const Vector3f to_centre = centre_ - from;
+  const float square = d.squaredNorm();
+  const float along = std::clamp(to_centre.dot(d), 0.0F, square);
+  // |to_centre - (along / square) d|^2, times square.
+  const float distance = square * to_centre.squaredNorm() + along * (along - 2 * to_centre.dot(d));
+  return distance > square * square_radius_;
 }
 
 bool Occlusion::blocked(const Vector3f& from, const Vector3f& to) const {
   if (nodes_.empty()) return false;
   const Vector3f d = to - from;
+  if (passesBy(from, d)) return false;
   const Vector3f inverse = d.cwiseInverse();
   const float near = kClear / std::max(d.norm(), kClear);
   std::array<int, 64> stack{};

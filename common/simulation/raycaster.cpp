@@ -78,6 +78,10 @@ Raycaster::Raycaster(const World& world, std::span<const SE3> T_WB, const SE3& T
     view.half = primitive.half.cast<float>();
     view.kind = primitive.kind;
     boundInImage(camera_, T_CP, primitive.half, view);
+    view.u_low = static_cast<float>(view.u0 - 1);
+    view.u_high = static_cast<float>(view.u1 + 1);
+    view.v_low = static_cast<float>(view.v0 - 1);
+    view.v_high = static_cast<float>(view.v1 + 1);
     if (view.nearest_z >= 0) addToTiles(i);
   }
   for (auto& tile : tiles_) {
@@ -108,6 +112,7 @@ Raycaster::Hit Raycaster::cast(float u, float v) const {
   for (const std::int16_t i : tiles_[static_cast<std::size_t>(tv * tiles_u_ + tu)]) {
     const ViewedPrimitive& view = viewed(i);
     if (view.nearest_z > limit) break;
+    if (u < view.u_low || u > view.u_high || v < view.v_low || v > view.v_high) continue;
     const ShapeHit hit = intersect(view.kind, view.half, view.origin, view.R_PC * ray, kNear);
     if (hit.t <= 0 || hit.t >= limit) continue;
     limit = hit.t;

@@ -24,7 +24,8 @@ struct ViewedPrimitive {
   Eigen::Vector3f half;
   ShapeKind kind;
   float nearest_z = 0;  ///< lower bound of the depths it can cover; < 0: out of view
-  int u0 = 0, u1 = -1, v0 = 0, v1 = -1;  ///< pixel bounds, inclusive
+  int u0 = 0, u1 = -1, v0 = 0, v1 = -1;                  ///< pixel bounds, inclusive
+  float u_low = 0, u_high = -1, v_low = 0, v_high = -1;  ///< the same and a pixel more, for rays
 };
 
 /// Exact ray casting of a world from one camera pose: a list of primitives per tile of the image,

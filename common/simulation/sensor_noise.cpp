@@ -12,21 +12,20 @@ namespace {
 
 constexpr int kRowsPerChunk = 32;  // of the running sums
 
+void whiteNoise(std::vector<float>& out, std::uint64_t key) {
+  for (std::size_t u = 0; u < out.size(); ++u) out[u] = normalFromBits(scramble(key + u));
+}
+
 /// White noise summed over 2 radius + 1 columns, for rows `first`..`last` of the padded image.
 void rowSums(Image<float>& out, int first, int last, int radius, std::uint64_t key) {
   const int padded = out.width() + 2 * radius;
   std::vector<float> white(static_cast<std::size_t>(padded));
   for (int v = first; v < last; ++v) {
-    const std::uint64_t row = scramble(key, static_cast<std::uint64_t>(v));
-    for (int u = 0; u < padded; ++u) {
-      white[static_cast<std::size_t>(u)] =
-          normalFromBits(scramble(row + static_cast<std::uint64_t>(u)));
-    }
+    whiteNoise(white, scramble(key, static_cast<std::uint64_t>(v)));
     float* target = out.row(v);
-    for (int u = 0; u < out.width(); ++u) {
-      float sum = 0;
-      for (int k = 0; k <= 2 * radius; ++k) sum += white[static_cast<std::size_t>(u + k)];
-      target[u] = sum;
+    for (int k = 0; k <= 2 * radius; ++k) {
+      const float* source = white.data() + k;
+      for (int u = 0; u < out.width(); ++u) target[u] += source[u];
     }
   }
 }

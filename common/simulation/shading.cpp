@@ -14,6 +14,8 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 constexpr float kBodyOpenness = 0.92F;  // of a moving body to ambient light
+constexpr float kLobe = 0.85F;          // cosine at the edge of a highlight
+constexpr float kSurelyBelow = 0.995F;  // a margin for rounding
 
 /// Linear albedo of a material at a point of a face; `footprint` in metres.
 Vector3f albedo(const World& world, const Material& m, const Vector2f& at, const Vector2f& extent,
@@ -29,20 +31,30 @@ Vector3f albedo(const World& world, const Material& m, const Vector2f& at, const
   return m.tint.cwiseProduct(texture.sample(uv.x(), uv.y(), footprint * texel_per_metre.mean()));
 }
 
+/// Whether the lamp is surely outside a highlight: every c below is at most (along + r) / (D - r).
+bool outsideLobe(const LampLight::Group& lamp, const Vector3f& p_W, const Vector3f& mirrored) {
+  const Vector3f d = lamp.centre - p_W;
+  const float most = mirrored.dot(d) + lamp.radius;
+  return most < 0 || most < kSurelyBelow * kLobe * (d.norm() - lamp.radius);
+}
+
 /// The lamps' mirror image: a lobe of some ten degrees about the mirrored ray.
-Vector3f highlight(const std::vector<LampLight::Point>& lamps, const Vector3f& p_W,
+Vector3f highlight(const std::vector<LampLight::Group>& lamps, const Vector3f& p_W,
                    const Vector3f& n_W, const Vector3f& ray_W) {
   const Vector3f mirrored = ray_W - 2 * ray_W.dot(n_W) * n_W;
   Vector3f sum = Vector3f::Zero();
-  for (const LampLight::Point& lamp : lamps) {
-    const float c = mirrored.dot((lamp.place - p_W).normalized());
-    if (c < 0.85F) continue;
-    float lobe = c * c;
-    lobe *= lobe;
-    lobe *= lobe;
-    lobe *= lobe;
-    lobe *= lobe;
-    sum += lobe * lobe * lamp.power;
+  for (const LampLight::Group& lamp : lamps) {
+    if (outsideLobe(lamp, p_W, mirrored)) continue;
+    for (const LampLight::Point& point : lamp.points) {
+      const float c = mirrored.dot((point.place - p_W).normalized());
+      if (c < kLobe) continue;
+      float lobe = c * c;
+      lobe *= lobe;
+      lobe *= lobe;
+      lobe *= lobe;
+      lobe *= lobe;
+      sum += lobe * lobe * point.power;
+    }
   }
   return sum / 4.0F;
 }
@@ -85,7 +97,7 @@ class Shader {
     Vector3f light = colour.cwiseProduct(incident + Vector3f::Constant(m.glow));
     if (m.gloss >= 0.05F) {
       const Vector3f p_W = R_WC_ * (z * ray) + t_WC_;
-      light += m.gloss * highlight(lamps_.points(), p_W, n_W, ray_W);
+      light += m.gloss * highlight(lamps_.groups(), p_W, n_W, ray_W);
     }
     out.light(u, v) = light;
     out.cosine(u, v) = cosine;

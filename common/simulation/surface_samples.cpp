@@ -16,6 +16,9 @@ constexpr std::size_t kChunk = 65536;
 /// How far a point may lie behind or before the pixel's surface and still be that surface.
 constexpr double kDepthTolerance = 0.015;
 
+/// Metres along the normal by which the camera is behind a surface whatever the rounding.
+constexpr float kSurelyBehind = 1e-4F;
+
 using Sink = std::function<void(const Vec3& p)>;
 
 int steps(double length, double spacing) {
@@ -104,14 +107,18 @@ void SurfaceSamples::see(const SimulatedFrame& frame) {
     Body& body = bodies_[b];
     const SE3 T_CB = T_CW * frame.T_WB[b];
     const Mat3 R_CB = T_CB.R();
+    const Vector3f centre = T_CB.inverse().t.cast<float>();  // of the camera, in the body's frame
     const auto look = [&](std::size_t i) {
-      const Vec3 p = R_CB * body.points[i].position.cast<double>() + T_CB.t;
+      const SurfacePoint& point = body.points[i];
+      if (point.normal.dot(point.position - centre) > kSurelyBehind) return;
+      const Vec3 p = R_CB * point.position.cast<double>() + T_CB.t;
       if (p.z() < 0.2) return;
-      const int u = static_cast<int>(std::lround(std::clamp(camera_.project(p).x(), -9.0, 1e5)));
-      const int v = static_cast<int>(std::lround(std::clamp(camera_.project(p).y(), -9.0, 1e5)));
+      const Eigen::Vector2d px = camera_.project(p);
+      const int u = static_cast<int>(std::lround(std::clamp(px.x(), -9.0, 1e5)));
+      const int v = static_cast<int>(std::lround(std::clamp(px.y(), -9.0, 1e5)));
       if (!frame.depth.inside(u, v) || frame.depth(u, v) == 0) return;
       if (std::abs(static_cast<double>(frame.true_z(u, v)) - p.z()) > kDepthTolerance) return;
-      const Vec3 n = R_CB * body.points[i].normal.cast<double>();
+      const Vec3 n = R_CB * point.normal.cast<double>();
       if (n.dot(p) < 0 && body.count[i] < UINT16_MAX) ++body.count[i];
     };
     const auto chunks = static_cast<int>((body.points.size() + kChunk - 1) / kChunk);

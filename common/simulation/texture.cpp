@@ -38,6 +38,7 @@ Image<Rgb> halved(const Image<Rgb>& in) {
 }
 
 int mirrored(int i, int n) {
+  if (i >= 0 && i < n) return i;  // nearly always: spares the division
   const int period = 2 * n;
   i %= period;
   if (i < 0) i += period;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <malloc.h>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -134,6 +136,14 @@ int lastFrame(const Arguments& a, int available) {
   return a.start + wanted;
 }
 
+/// Keeps freed images for the next frame's: the default gives each back to the system and pays
+/// for its pages again.
+void keepFreedMemory() {
+  constexpr int kBytes = 256 << 20;
+  mallopt(M_MMAP_THRESHOLD, kBytes);
+  mallopt(M_TRIM_THRESHOLD, kBytes);
+}
+
 int simulate(const Arguments& a) {
   if (a.scene.empty() || a.output.empty()) {
     throw std::runtime_error("--scene and --output are needed (or --list)");
@@ -174,6 +184,7 @@ int main(int argc, char** argv) {
       rf::printScenes();
       return 0;
     }
+    rf::keepFreedMemory();
     rf::setThreads(arguments.threads);
     return rf::simulate(arguments);
   } catch (const std::exception& e) {
