@@ -17,6 +17,27 @@ constexpr double kLeastLikeness = 0.5;
 // usual fits: a patch of some other wall also fits, with a seventh (a teleport in the tests).
 constexpr double kLeastSupport = 0.25;
 
+// ... and no worse than a frame that is tracked usually does: the whitened residual within a half
+// of it, the difference of the pictures within three times. The wrong wall of a teleport had 1.7 to
+// 2 times the residual and 15 to 40 times the difference, before it was fused and grew to look
+// right.
+constexpr double kUsualFit = 1.5;
+constexpr double kUsualUnlikeness = 3.0;
+constexpr double kLeastUnlikeness = 0.02;  // other light, other noise
+
+bool fitsAsUsual(const TrackResult& r, const FusionState& m) {
+  if (!(m.usual_fit > 0)) return true;
+  return r.rms_sigma <= kUsualFit * m.usual_fit &&
+         1 - r.likeness <= kUsualUnlikeness * m.usual_unlikeness + kLeastUnlikeness;
+}
+
+void learnFit(const TrackResult& r, FusionState& m) {
+  constexpr double kMemory = 0.1;  // ten frames
+  const double share = m.usual_fit > 0 ? kMemory : 1.0;
+  m.usual_fit += share * (r.rms_sigma - m.usual_fit);
+  m.usual_unlikeness += share * (1 - r.likeness - m.usual_unlikeness);
+}
+
 // Surface is in view where the map has some, and it does not fit: the pose is wrong. It lies
 // outside the range that was searched, or it would have been found.
 bool contradicted(const CameraEvidence& e) { return e.track.pairs >= kSureFactor * e.min_inliers; }
@@ -46,6 +67,7 @@ void judgeAligned(const CameraEvidence& e, FusionState& m) {
   m.camera_pose.covariance = e.track.covariance;
   m.blind = e.track.blind;
   const bool sudden = supportLost(e.track.pairs, m);
+  if (!m.blind) learnFit(e.track, m);
   const bool weak = e.gap || m.blind || sudden || e.track.inliers < kSureFactor * e.min_inliers;
   m.camera_pose.health = weak ? Health::kDegraded : Health::kTracked;
 }
@@ -68,7 +90,16 @@ bool believed(const TrackResult& r, double min_inliers, const FusionState& m) {
   if (!r.accepted || r.likeness < kLeastLikeness) return false;
   if (positionSigma(m.camera_pose.covariance) < kTrustedSigma) return true;
   const double least = std::max(kSureFactor * min_inliers, kLeastSupport * m.usual_pairs);
-  return r.inliers >= least && r.inlier_share >= m.config.tracking.sure_share && !r.blind;
+  return r.inliers >= least && r.inlier_share >= m.config.tracking.sure_share && !r.blind &&
+         fitsAsUsual(r, m);
+}
+
+void noteLeap(const SegmentationResult& s, const TrackResult& r, FusionState& m) {
+  const double residual = s.camera.rms_residual;
+  if (m.usual_residual.exceededBy(residual) && !r.blind) {
+    m.camera_pose.covariance += searchedRange(m.config.tracking, false);
+  }
+  m.usual_residual.learn(residual);
 }
 
 void judgeCamera(const CameraEvidence& e, FusionState& m) {

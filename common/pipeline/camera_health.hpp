@@ -12,8 +12,13 @@ inline constexpr double kSureFactor = 5.0;
 
 /// Whether an aligned pose is believed: its picture must be like the map's, where both have
 /// contrast. A pose that is in doubt (contradicted by the map, or long without an image) may fit
-/// some other place as well: it needs more surface and a better fit, too.
+/// some other place as well: it needs more surface and a better fit, too, as good as is usual here.
 bool believed(const TrackResult& track, double min_inliers, const FusionState& state);
+
+/// Puts the pose in doubt when segmentation's motion does not explain the picture by far: the
+/// camera may have been carried somewhere else, and what fits there may be another wall. A black
+/// picture is not explained either, but says nothing of the motion.
+void noteLeap(const SegmentationResult& segmentation, const TrackResult& track, FusionState& state);
 
 /// How the camera came to this frame's pose.
 struct CameraEvidence {

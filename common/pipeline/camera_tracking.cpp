@@ -95,6 +95,7 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   const std::vector<TrackReference> reference = referenceOf(m);
   TrackResult r = alignToModel(reference, f.pyramid, weightPyramid(f.weights.world.own, t.levels),
                                start, start_cov, minInliers(m), m.config);
+  noteLeap(s, r, m);
   if (r.accepted && !believed(r, minInliers(m), m)) {
     r.accepted = false;
     r.T_PC = start;

@@ -14,6 +14,7 @@
 #include "mapping/shared_place.hpp"
 #include "values/model_state.hpp"
 #include "values/segmentation_result.hpp"
+#include "values/usual_residual.hpp"
 
 namespace rf {
 
@@ -44,6 +45,9 @@ struct FusionState {
   std::optional<SE3> last_prior;  ///< the camera prior's pose at the last frame
   int rejected_frames = 0;        ///< in a row, by the camera's tracking
   int contradicted_frames = 0;    ///< of those: surface was in view and did not fit
+  UsualResidual usual_residual;   ///< that segmentation leaves of the static world
+  double usual_fit = 0;           ///< running mean of the whitened rms on the map
+  double usual_unlikeness = 0;    ///< and of 1 less the likeness of image and map
   double usual_pairs = 0;         ///< running mean of the camera's support by the map, pixels
   Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
   BodyPose camera_pose, object_pose;

@@ -90,6 +90,11 @@ void PriorIntake::accept(const MotionPrior& prior, const LastMotion& last, PastF
                                      kinematic_object_ ? last.object_motion : last.object);
 }
 
+Increment PriorIntake::unmeasured(const std::optional<SE3>& last_motion) const {
+  return PriorFilter({config_.camera_spread_m, config_.camera_spread_rad})
+      .accept(std::nullopt, Mat6::Zero(), last_motion);
+}
+
 JointPrior PriorIntake::make(const SE3& T_s, const Mat6& cov_s, const PastFrame& at,
                              const Increment& object) const {
   JointPrior out;

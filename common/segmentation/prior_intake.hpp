@@ -35,6 +35,9 @@ class PriorIntake {
   /// Sets the sources and the accepted increments of `now`.
   void accept(const MotionPrior& prior, const LastMotion& last, PastFrame& now);
 
+  /// The camera's increment as if its source had said nothing: the last motion goes on.
+  Increment unmeasured(const std::optional<SE3>& last_motion) const;
+
   /// What the sources said of a frame whose poses are now known. `before`: the frame before it, or
   /// null.
   void judge(const PastFrame& frame, const PastFrame* before);

@@ -15,12 +15,20 @@
 #include "segmentation/prior_intake.hpp"
 #include "segmentation/score_images.hpp"
 #include "values/stage_clock.hpp"
+#include "values/usual_residual.hpp"
 
 namespace rf {
 namespace {
 
 constexpr int kLevels = 3;  // working resolution and the two below it
 constexpr int kMaskLevel = 0, kFineLevel = 1, kCoarseLevel = 2;
+
+/// A frame's motions and labels, and what they were found from.
+struct Solution {
+  JointPrior window_prior;
+  Decision decision;
+  JointFit fit;
+};
 
 }  // namespace
 
@@ -40,6 +48,7 @@ struct RigidFusionSegmenter::Impl {
   std::optional<MapView> map;  ///< both models as seen from ...
   SE3 T_WM, T_MO;              ///< ... this camera, and where the body was then
   LastMotion last_motion;
+  UsualResidual usual;
 
   SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
@@ -51,6 +60,10 @@ struct RigidFusionSegmenter::Impl {
                               const Clusters& clusters) const;
   JointFit refine(const PastFrame& reference, const PastFrame& now, const Clusters& clusters,
                   const DecisionInput& input, const Decision& decision) const;
+  Solution solve(const PastFrame& reference, const PastFrame& now, const Clusters& clusters,
+                 const DecisionInput& input, StageTimes& times) const;
+  void distrustPrior(const PastFrame& reference, const Clusters& clusters, PastFrame& now,
+                     Solution& solution, StageTimes& times) const;
   void takeMotions(const JointFit& fit, const PastFrame& reference, PastFrame& now,
                    SegmentationResult& out) const;
   void takeMask(const JointFit& fit, const PastFrame& reference, const Clusters& clusters,
@@ -237,18 +250,53 @@ void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& 
   now.memory = out.score;
 }
 
+Solution RigidFusionSegmenter::Impl::solve(const PastFrame& ref, const PastFrame& now,
+                                           const Clusters& clusters, const DecisionInput& input,
+                                           StageTimes& times) const {
+  StageClock clock;
+  Solution out;
+  out.window_prior = input.window_prior;
+  out.decision = decide(input, config.joint, config.decision, config.terms, config.map);
+  clock.lap("decide", times);
+  out.fit = refine(ref, now, clusters, input, out.decision);
+  clock.lap("refine", times);
+  return out;
+}
+
+/// For a frame that no reading explains: the camera prior may have led all of them astray. Once
+/// more from the estimates alone, as if the camera went on as before; kept where it explains the
+/// picture better, and the prior's increment is forgotten with it.
+void RigidFusionSegmenter::Impl::distrustPrior(const PastFrame& ref, const Clusters& clusters,
+                                               PastFrame& now, Solution& solution,
+                                               StageTimes& times) const {
+  const Increment given = now.camera;
+  now.camera = priors.unmeasured(last_motion.camera);
+  DecisionInput input = decisionInput(ref, now, clusters);
+  input.window_prior = input.step_prior;
+  Solution other = solve(ref, now, clusters, input, times);
+  const JointLevel fine = levelOf(ref, now, clusters, kFineLevel);
+  const double c = std::min(solution.fit.state.c, other.fit.state.c);
+  const bool better = imageEnergy(fine, other.fit, other.window_prior, config.joint, c) <
+                      imageEnergy(fine, solution.fit, solution.window_prior, config.joint, c);
+  if (better) {
+    solution = std::move(other);
+  } else {
+    now.camera = given;
+  }
+}
+
 void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& clusters,
                                           PastFrame& now, SegmentationResult& out) {
+  Solution found = solve(ref, now, clusters, decisionInput(ref, now, clusters), out.stage_ms);
+  if (usual.exceededBy(found.fit.rms_s) && now.camera.measured) {
+    distrustPrior(ref, clusters, now, found, out.stage_ms);
+  }
+  usual.learn(found.fit.rms_s);
   StageClock clock;
-  const DecisionInput input = decisionInput(ref, now, clusters);
-  const Decision decision = decide(input, config.joint, config.decision, config.terms, config.map);
-  clock.lap("decide", out.stage_ms);
-  const JointFit fit = refine(ref, now, clusters, input, decision);
-  clock.lap("refine", out.stage_ms);
-  out.hypothesis = decision.name;
-  out.object_moving = !fit.state.one_body;
-  takeMotions(fit, ref, now, out);
-  takeMask(fit, ref, clusters, input.window_prior, now, out);
+  out.hypothesis = found.decision.name;
+  out.object_moving = !found.fit.state.one_body;
+  takeMotions(found.fit, ref, now, out);
+  takeMask(found.fit, ref, clusters, found.window_prior, now, out);
   clock.lap("mask", out.stage_ms);
 }
 

@@ -115,6 +115,42 @@ TEST_F(CameraHealth, APoseInDoubtNeedsMoreToBeBelieved) {
   EXPECT_TRUE(believed(aligned(), kMinInliers, m));
 }
 
+TEST_F(CameraHealth, ALeapPutsAnAlignedPoseInDoubt) {
+  s.camera.rms_residual = 0.25;
+  TrackResult usual = aligned();
+  usual.rms_sigma = 0.85;
+  for (int i = 0; i < 30; ++i) {
+    noteLeap(s, usual, m);
+    judge(usual);
+  }
+  ASSERT_LT(positionSigma(m.camera_pose.covariance), kTrustedSigma);
+  TrackResult wall = usual;  // of a teleport in the experiments
+  wall.rms_sigma = 1.5;
+  wall.likeness = 0.89;
+  EXPECT_TRUE(believed(wall, kMinInliers, m)) << "as long as nothing speaks of a leap";
+  s.camera.rms_residual = 5;
+  TrackResult black = usual;
+  black.blind = true;
+  noteLeap(s, black, m);
+  EXPECT_LT(positionSigma(m.camera_pose.covariance), kTrustedSigma) << "a black picture is no leap";
+  noteLeap(s, wall, m);
+  EXPECT_GT(positionSigma(m.camera_pose.covariance), kTrustedSigma);
+  EXPECT_FALSE(believed(wall, kMinInliers, m));
+  EXPECT_TRUE(believed(usual, kMinInliers, m)) << "the map is found again where it was";
+}
+
+TEST(UsualResidual, OneThatStandsOutAndOneThatStays) {
+  UsualResidual usual;
+  EXPECT_FALSE(usual.exceededBy(2.5)) << "nothing known: three sigma of the sensor";
+  for (int i = 0; i < 50; ++i) usual.learn(0.25);
+  EXPECT_FALSE(usual.exceededBy(0.7));
+  EXPECT_TRUE(usual.exceededBy(0.8));
+  int frames = 0;
+  for (; usual.exceededBy(5.0); ++frames) usual.learn(5.0);
+  EXPECT_GT(frames, 10);
+  EXPECT_LT(frames, 30);
+}
+
 TEST_F(CameraHealth, AnotherPlacesPictureIsNeverBelieved) {
   TrackResult r = aligned();
   r.likeness = -0.3;
