@@ -139,7 +139,7 @@ int lastFrame(const Arguments& a, int available) {
 /// Keeps freed images for the next frame's: the default gives each back to the system and pays
 /// for its pages again.
 void keepFreedMemory() {
-  constexpr int kBytes = 256 << 20;
+  constexpr int kBytes = 32 << 20;  // the most that glibc takes for the first
   mallopt(M_MMAP_THRESHOLD, kBytes);
   mallopt(M_TRIM_THRESHOLD, kBytes);
 }
