@@ -14,6 +14,7 @@
 #include "segmentation/prior_filter.hpp"
 #include "segmentation/prior_intake.hpp"
 #include "segmentation/score_images.hpp"
+#include "segmentation/settling.hpp"
 #include "values/stage_clock.hpp"
 #include "values/usual_residual.hpp"
 
@@ -38,7 +39,8 @@ struct RigidFusionSegmenter::Impl {
         camera(input_camera),
         preparer(segmentation_config, input_camera,
                  {kLevels, segmentation_config.clusters.count, true}),
-        priors(config) {}
+        priors(config),
+        settling(config.settle_frames) {}
 
   SegmentationConfig config;
   Camera camera;
@@ -49,6 +51,7 @@ struct RigidFusionSegmenter::Impl {
   SE3 T_WM, T_MO;              ///< ... this camera, and where the body was then
   LastMotion last_motion;
   UsualResidual usual;
+  Settling settling;
 
   SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
@@ -236,6 +239,7 @@ void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& 
         warpScores(last.memory, maskCamera(), now.levels[kCoarseLevel],
                    clusters.label[kCoarseLevel], clusters.centres.size(), step, step);
     now.memory = scoreImage(out.label, kept.target);
+    if (settling.inDoubt()) out.score = now.memory;
     return;
   }
   if (map && config.map.pixel_weight > 0) {
@@ -295,6 +299,7 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
   StageClock clock;
   out.hypothesis = found.decision.name;
   out.object_moving = !found.fit.state.one_body;
+  settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
   takeMask(found.fit, ref, clusters, found.window_prior, now, out);
   clock.lap("mask", out.stage_ms);

@@ -23,6 +23,7 @@ struct SegmentationConfig {
   double max_depth_m = 4.5;
   double min_depth_share = 0.05;
   int window_frames = 5;
+  int settle_frames = 5;
   double window_s = 0.2;
   double window_rotation_rad = 0.2;
   int fine_iterations = 4;
@@ -59,6 +60,8 @@ struct SegmentationConfig {
     v("min_depth_share", min_depth_share, 0.0, 1.0, "-",
       "least share of pixels with depth for an estimate");
     v("window_frames", window_frames, 1, 30, "frames", "how far back the reference frame may lie");
+    v("settle_frames", settle_frames, 0, 30, "frames",
+      "how long the mask stays where a body has come to rest; 0: it goes at once");
     v("window_s", window_s, 0.0, 2.0, "s",
       "how old the reference frame may be (if not the previous one)");
     v("window_rotation_rad", window_rotation_rad, 0.01, 1.0, "rad",
