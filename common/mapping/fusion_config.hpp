@@ -193,9 +193,11 @@ struct ObjectModelConfig {
 
 /// Drift between surface that came back into view and what was mapped since (docs/ALGORITHM.md).
 struct LoopConfig {
-  bool close = false;
+  bool close = true;
   double min_share = 0.05;
-  double significance = 12.6;
+  double significance = 22.5;
+  double plausible = 22.5;
+  int confirm_frames = 3;
   double step_m = 0.002;
   double step_rad = 0.002;
 
@@ -206,6 +208,9 @@ struct LoopConfig {
       "least share of the image of the surface that came back, and of the younger one");
     v("significance", significance, 0.0, 1e6, "-",
       "squared Mahalanobis distance between both from which on it is drift");
+    v("plausible", plausible, 0.0, 1e6, "-",
+      "and by the map's own uncertainty: beyond it is a mistake, not drift");
+    v("confirm_frames", confirm_frames, 1, 100, "frames", "in a row that must say so");
     v("step_m", step_m, 1e-5, 1.0, "m", "most that the camera is moved a frame");
     v("step_rad", step_rad, 1e-5, 1.0, "rad", "most that the camera is turned a frame");
   }

@@ -17,6 +17,7 @@ namespace rf {
 namespace {
 
 constexpr double kStartInflation = 100.0;  // each pose is found by its own surface
+constexpr int kEvery = 4;                  // frames: surface that comes back stays for longer
 
 std::size_t epochAt(const BodyModel& world, std::uint32_t id) {
   const SurfelBlock& block = world.map.block(static_cast<int>(id / kBlockSize));
@@ -73,28 +74,48 @@ void moveState(const SE3& move_F, FusionState& m) {
   m.object_pose.T_W = m.T_WO;
 }
 
+/// What lies between the camera by the part that came back and by the younger one.
+struct Drift {
+  Vec6 twist_F;  ///< left perturbation
+  Mat6 noise_F;  ///< of the two alignments
+  Mat6
+      expected_F;  ///< covariance of the younger part against the old one, by the map's own account
+};
+
+std::optional<Drift> observedDrift(const FusionInput& f, const FusionState& m) {
+  const LoopConfig& c = m.config.loop;
+  const Prediction young = partOf(m.world, false);
+  const auto by_old = alignToPart(f, partOf(m.world, true), m);
+  if (!by_old) return std::nullopt;
+  const auto by_young = alignToPart(f, young, m);
+  if (!by_young) return std::nullopt;
+  Drift d;
+  d.twist_F = (by_old->T_FC * by_young->T_FC.inverse()).log();
+  d.noise_F = by_old->covariance_F + by_young->covariance_F;
+  if (d.twist_F.dot(d.noise_F.ldlt().solve(d.twist_F)) < c.significance) return std::nullopt;
+  d.expected_F =
+      m.world.uncertainty.of(m.world.uncertainty.seen(m.world.map, young, f.weights.world.own));
+  const Mat6 S = d.expected_F + d.noise_F;
+  if (d.twist_F.dot(S.ldlt().solve(d.twist_F)) > c.plausible) return std::nullopt;
+  return d;
+}
+
 }  // namespace
 
 bool closeLoop(const FusionInput& f, FusionState& m) {
   const LoopConfig& c = m.config.loop;
   if (!c.close || !m.camera_on_map) return false;
-  const Prediction young = partOf(m.world, false);
-  const auto by_old = alignToPart(f, partOf(m.world, true), m);
-  if (!by_old) return false;
-  const auto by_young = alignToPart(f, young, m);
-  if (!by_young) return false;
-  const Vec6 drift_F = (by_old->T_FC * by_young->T_FC.inverse()).log();
-  const Mat6 noise_F = by_old->covariance_F + by_young->covariance_F;
-  if (drift_F.dot(noise_F.ldlt().solve(drift_F)) < c.significance) return false;
+  if (m.drift_frames == 0 && m.time % kEvery != 0) return false;
+  const std::optional<Drift> drift = observedDrift(f, m);
+  m.drift_frames = drift ? m.drift_frames + 1 : 0;
+  if (m.drift_frames == 0 || m.drift_frames < c.confirm_frames) return false;
 
-  const Mat6 P =
-      m.world.uncertainty.of(m.world.uncertainty.seen(m.world.map, young, f.weights.world.own));
-  const Mat6 S = P + noise_F;
-  const Vec6 camera_F = P * S.ldlt().solve(drift_F);
+  const Mat6 S = drift->expected_F + drift->noise_F;
+  const Vec6 camera_F = drift->expected_F * S.ldlt().solve(drift->twist_F);
   const double share = shareOf(m.world.T_FC.inverse().adjoint() * camera_F, c);
   std::vector<Vec6> twists;
   for (const Mat6& gain : m.world.uncertainty.takeCorrection(S, share)) {
-    twists.emplace_back(share * gain * drift_F);
+    twists.emplace_back(share * gain * drift->twist_F);
   }
   moveByBirth(twists, m.world.map);
   moveState(SE3::exp(share * camera_F), m);
