@@ -239,7 +239,11 @@ void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& 
         warpScores(last.memory, maskCamera(), now.levels[kCoarseLevel],
                    clusters.label[kCoarseLevel], clusters.centres.size(), step, step);
     now.memory = scoreImage(out.label, kept.target);
-    if (settling.inDoubt()) out.score = now.memory;
+    if (settling.inDoubt()) {
+      out.gamma = kept.target;
+      out.score = now.memory;
+      out.dynamic_share = dynamicShare(out.label, out.gamma);
+    }
     return;
   }
   if (map && config.map.pixel_weight > 0) {
