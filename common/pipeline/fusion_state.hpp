@@ -48,8 +48,8 @@ struct FusionState {
   UsualResidual usual_residual;   ///< that segmentation leaves of the static world
   double usual_fit = 0;           ///< running mean of the whitened rms on the map
   double usual_unlikeness = 0;    ///< and of 1 less the likeness of image and map
-  int drift_frames = 0;           ///< in a row, in which surface that came back told of drift
   double usual_pairs = 0;         ///< running mean of the camera's support by the map, pixels
+  int drift_frames = 0;           ///< in a row, in which surface that came back told of drift
   Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
   BodyPose camera_pose, object_pose;
 

@@ -76,10 +76,9 @@ void moveState(const SE3& move_F, FusionState& m) {
 
 /// What lies between the camera by the part that came back and by the younger one.
 struct Drift {
-  Vec6 twist_F;  ///< left perturbation
-  Mat6 noise_F;  ///< of the two alignments
-  Mat6
-      expected_F;  ///< covariance of the younger part against the old one, by the map's own account
+  Vec6 twist_F;     ///< left perturbation
+  Mat6 noise_F;     ///< of the two alignments
+  Mat6 expected_F;  ///< of the younger part, by the map's own account
 };
 
 std::optional<Drift> observedDrift(const FusionInput& f, const FusionState& m) {
