@@ -76,26 +76,26 @@ void moveState(const SE3& move_F, FusionState& m) {
 
 /// What lies between the camera by the part that came back and by the younger one.
 struct Drift {
-  Vec6 twist_F;     ///< left perturbation
-  Mat6 noise_F;     ///< of the two alignments
-  Mat6 expected_F;  ///< of the younger part, by the map's own account
+  Vec6 twist_F;       ///< left perturbation
+  Mat6 expected_F;    ///< covariance of the younger part, by the map's own account
+  Mat6 innovation_F;  ///< that and the noise of the two alignments
 };
 
 std::optional<Drift> observedDrift(const FusionInput& f, const FusionState& m) {
   const LoopConfig& c = m.config.loop;
-  const Prediction young = partOf(m.world, false);
   const auto by_old = alignToPart(f, partOf(m.world, true), m);
   if (!by_old) return std::nullopt;
+  const Prediction young = partOf(m.world, false);
   const auto by_young = alignToPart(f, young, m);
   if (!by_young) return std::nullopt;
+  const Mat6 noise_F = by_old->covariance_F + by_young->covariance_F;
   Drift d;
   d.twist_F = (by_old->T_FC * by_young->T_FC.inverse()).log();
-  d.noise_F = by_old->covariance_F + by_young->covariance_F;
-  if (d.twist_F.dot(d.noise_F.ldlt().solve(d.twist_F)) < c.significance) return std::nullopt;
+  if (d.twist_F.dot(noise_F.ldlt().solve(d.twist_F)) < c.significance) return std::nullopt;
   d.expected_F =
       m.world.uncertainty.of(m.world.uncertainty.seen(m.world.map, young, f.weights.world.own));
-  const Mat6 S = d.expected_F + d.noise_F;
-  if (d.twist_F.dot(S.ldlt().solve(d.twist_F)) > c.plausible) return std::nullopt;
+  d.innovation_F = d.expected_F + noise_F;
+  if (d.twist_F.dot(d.innovation_F.ldlt().solve(d.twist_F)) > c.plausible) return std::nullopt;
   return d;
 }
 
@@ -107,9 +107,9 @@ bool closeLoop(const FusionInput& f, FusionState& m) {
   if (m.drift_frames == 0 && m.time % kEvery != 0) return false;
   const std::optional<Drift> drift = observedDrift(f, m);
   m.drift_frames = drift ? m.drift_frames + 1 : 0;
-  if (m.drift_frames == 0 || m.drift_frames < c.confirm_frames) return false;
+  if (!drift || m.drift_frames < c.confirm_frames) return false;
 
-  const Mat6 S = drift->expected_F + drift->noise_F;
+  const Mat6& S = drift->innovation_F;
   const Vec6 camera_F = drift->expected_F * S.ldlt().solve(drift->twist_F);
   const double share = shareOf(m.world.T_FC.inverse().adjoint() * camera_F, c);
   std::vector<Vec6> twists;
