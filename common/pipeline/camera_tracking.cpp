@@ -12,8 +12,7 @@
 namespace rf {
 namespace {
 
-constexpr double kScarceWorld = 0.15;    // share of the image
-constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
+constexpr double kScarceWorld = 0.15;  // share of the image
 
 // Camera motion since the last processed frame, before refinement. Where segmentation's frame A is
 // not that frame (loss, restart), increments of one and the same prior bridge the gap, else

@@ -76,6 +76,9 @@ Health worse(Health a, Health b);
 /// inflated alike, without the floor that only keeps a start from being too tight.
 Mat6 stepCovariance(const Mat6& covariance, const TrackingConfig& config);
 
+/// `extra` of a start after a gap: ten times the usual standard deviations.
+constexpr double kGapInflation = 100.0;
+
 /// The segmentation's covariance as a start for tracking: inflated, never tighter than the floor
 /// (times `extra`). A covariance that is not one, or beyond 1 m or 1 rad, is replaced by a wide
 /// one.

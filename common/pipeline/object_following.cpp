@@ -10,7 +10,6 @@
 namespace rf {
 namespace {
 
-constexpr double kGapInflation = 100.0;  // ten times the usual standard deviations
 constexpr std::size_t kMostPlaces = 32;  // of rest that are remembered
 constexpr double kLeaving = 0.1;         // metres: nearer, a wrong label still finds the old place
 constexpr double kTurned = 0.05;         // radians: 2 cm at the side of a body of 0.8 m

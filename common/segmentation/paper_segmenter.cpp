@@ -12,6 +12,7 @@
 
 #include "segmentation/clusters.hpp"
 #include "segmentation/paper_solver.hpp"
+#include "segmentation/score_images.hpp"
 #include "values/stage_clock.hpp"
 
 namespace rf {
@@ -46,16 +47,6 @@ Mat6 covarianceOf(const NormalSums& sums, const Mat6& prior_covariance) {
   const Mat6 inverse = H.ldlt().solve(Mat6::Identity());
   const Mat6 covariance = kPixelsPerSample * variance * 0.5 * (inverse + inverse.transpose());
   return covariance.allFinite() ? covariance : prior_covariance;
-}
-
-double dynamicShare(const Image<std::uint8_t>& label, const std::vector<float>& gamma) {
-  double dynamic = 0, pixels = 0;
-  for (const std::uint8_t k : label) {
-    if (k >= gamma.size()) continue;
-    dynamic += 1.0 - static_cast<double>(gamma[k]);
-    pixels += 1;
-  }
-  return pixels > 0 ? dynamic / pixels : 0;
 }
 
 template <typename T, typename Convert>

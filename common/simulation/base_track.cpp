@@ -8,7 +8,7 @@
 namespace rf::sim {
 namespace {
 
-constexpr double kStep = 0.001;
+constexpr double kTrackStep = 0.001;  // seconds
 
 }  // namespace
 
@@ -21,9 +21,9 @@ SE3 planarStep(const PlanarTwist& twist, double seconds) {
 BaseTrack::BaseTrack(const SE3& start, Speeds speeds, double lateral_slip, double end)
     : speeds_(std::move(speeds)), lateral_slip_(lateral_slip) {
   poses_.push_back(start);
-  const auto steps = static_cast<int>(std::ceil(end / kStep));
+  const auto steps = static_cast<int>(std::ceil(end / kTrackStep));
   for (int i = 0; i < steps; ++i) {
-    SE3 next = poses_.back() * planarStep(twistAt((i + 0.5) * kStep), kStep);
+    SE3 next = poses_.back() * planarStep(twistAt((i + 0.5) * kTrackStep), kTrackStep);
     next.q.normalize();
     poses_.push_back(next);
   }
@@ -37,7 +37,7 @@ PlanarTwist BaseTrack::twistAt(double t) const {
 
 SE3 BaseTrack::poseAt(double t) const {
   if (t <= 0) return poses_.front();
-  const double at = t / kStep;
+  const double at = t / kTrackStep;
   const auto i = static_cast<std::size_t>(at);
   if (i + 1 >= poses_.size()) return poses_.back();
   return interpolate(poses_[i], poses_[i + 1], at - static_cast<double>(i));

@@ -36,7 +36,7 @@ class BaseTrack {
  private:
   Speeds speeds_;
   double lateral_slip_;
-  std::vector<SE3> poses_;  ///< every kStep seconds from 0
+  std::vector<SE3> poses_;  ///< every kTrackStep seconds from 0
 };
 
 }  // namespace rf::sim
