@@ -40,8 +40,8 @@ ModelState report(const RgbdFrame& frame, const Camera& input_camera, const Fusi
   ModelState state;
   state.utime = frame.utime;
   state.seq = frame.seq;
-  state.camera = m.camera_pose;
-  state.object = m.object_pose;
+  state.camera = m.swapped.widened(m.camera_pose);
+  state.object = m.swapped.widened(m.object_pose);
   state.object_exists = m.life.phase != ObjectPhase::kNone;
   state.object_resting = m.life.phase == ObjectPhase::kResting;
   state.static_surfels = m.world.map.size();
@@ -103,6 +103,9 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   if (may.world && closeLoop(f, m)) may.world = false;
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);
   settleUncertainty(f, segmentation, action, may, m);
+  const bool modelled = m.life.phase != ObjectPhase::kNone;
+  m.swapped.observe(segmentation, action == ObjectAction::kBirth,
+                    modelled ? std::optional<SE3>(m.T_WO) : std::nullopt);
   clock.lap("predict", times);
   fuseModels(f, action, may, m);
   clock.lap("fuse", times);

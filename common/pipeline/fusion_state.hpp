@@ -12,6 +12,7 @@
 #include "mapping/fusion_config.hpp"
 #include "mapping/object_life.hpp"
 #include "mapping/shared_place.hpp"
+#include "pipeline/swapped_reading.hpp"
 #include "values/model_state.hpp"
 #include "values/segmentation_result.hpp"
 #include "values/usual_residual.hpp"
@@ -52,6 +53,7 @@ struct FusionState {
   int drift_frames = 0;           ///< in a row, in which surface that came back told of drift
   Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
   BodyPose camera_pose, object_pose;
+  SwappedReading swapped;  ///< of both poses, where nothing says which body is the world
 
   // Of this frame, for covariance and health (pose_uncertainty, camera_health):
   bool camera_on_map = false;  ///< aligned to the static map: its covariance is given the map

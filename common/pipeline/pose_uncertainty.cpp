@@ -64,11 +64,6 @@ void settleResting(const SegmentationResult& s, FusionState& m) {
   m.covariance_OC = toRight(m.object.T_FC, covariance);
 }
 
-void demote(BodyPose& pose) {
-  const bool uncertain = !(positionSigma(pose.covariance) < kTrustedSigma);
-  if (pose.health == Health::kTracked && uncertain) pose.health = Health::kDegraded;
-}
-
 }  // namespace
 
 double positionSigma(const Mat6& covariance) {
@@ -77,15 +72,20 @@ double positionSigma(const Mat6& covariance) {
   return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
 }
 
+void demoteUncertain(BodyPose& pose) {
+  const bool uncertain = !(positionSigma(pose.covariance) < kTrustedSigma);
+  if (pose.health == Health::kTracked && uncertain) pose.health = Health::kDegraded;
+}
+
 void settleUncertainty(const FusionInput& f, const SegmentationResult& s, ObjectAction action,
                        MayFuse may, FusionState& m) {
   settleCamera(f, may.world, m);
-  demote(m.camera_pose);
+  demoteUncertain(m.camera_pose);
   const bool moved = action == ObjectAction::kBirth || action == ObjectAction::kMove ||
                      action == ObjectAction::kCoast;
   if (moved) settleObject(f, action, may.object, m);
   if (action == ObjectAction::kRest) settleResting(s, m);
-  if (m.life.phase != ObjectPhase::kNone) demote(m.object_pose);
+  if (m.life.phase != ObjectPhase::kNone) demoteUncertain(m.object_pose);
 }
 
 }  // namespace rf

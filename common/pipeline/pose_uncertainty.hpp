@@ -5,6 +5,7 @@
 #include "pipeline/fusion_input.hpp"
 #include "pipeline/fusion_state.hpp"
 #include "pipeline/map_update.hpp"
+#include "values/model_state.hpp"
 #include "values/segmentation_result.hpp"
 
 namespace rf {
@@ -15,6 +16,9 @@ inline constexpr double kTrustedSigma = 0.05;
 
 /// Standard deviation of a position in its most uncertain direction, metres.
 double positionSigma(const Mat6& covariance);
+
+/// A tracked pose that is less certain than kTrustedSigma becomes degraded.
+void demoteUncertain(BodyPose& pose);
 
 /// Completes the covariances of this frame's poses by that of the maps that they were aligned to,
 /// lowers the health of poses that are too uncertain, and notes what the frame adds to the maps'

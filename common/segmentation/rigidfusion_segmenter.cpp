@@ -16,6 +16,7 @@
 #include "segmentation/score_images.hpp"
 #include "segmentation/settling.hpp"
 #include "values/stage_clock.hpp"
+#include "values/swap_doubt.hpp"
 #include "values/usual_residual.hpp"
 
 namespace rf {
@@ -52,9 +53,11 @@ struct RigidFusionSegmenter::Impl {
   LastMotion last_motion;
   UsualResidual usual;
   Settling settling;
+  SwapDoubt swap;
 
   SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
+  bool onMap(const BodyPose& camera_pose) const;
   void applyFeedback(const ModelState* feedback);
   const PastFrame* reference(const PastFrame& now) const;
   static JointLevel levelOf(const PastFrame& reference, const PastFrame& now,
@@ -78,13 +81,21 @@ struct RigidFusionSegmenter::Impl {
   void finish(PastFrame& now, SegmentationResult& out);
 };
 
+bool RigidFusionSegmenter::Impl::onMap(const BodyPose& camera_pose) const {
+  if (camera_pose.health == Health::kTracked) return true;
+  // In doubt for one reason only: which body is the world. On the map it is as right as before.
+  constexpr double kTrustedVariance = 0.05 * 0.05;  // fusion calls no pose beyond it tracked
+  return swap.possible() && camera_pose.health == Health::kDegraded &&
+         camera_pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedVariance;
+}
+
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
   map.reset();
   if (feedback == nullptr || past.empty() || !config.use_feedback) return;
   for (std::size_t i = 0; i < past.size(); ++i) {
     PastFrame& p = past[i];
     if (p.utime != feedback->utime) continue;
-    p.camera_confirmed = feedback->camera.health == Health::kTracked;
+    p.camera_confirmed = onMap(feedback->camera);
     p.object_confirmed = p.camera_confirmed && feedback->object_exists &&
                          feedback->object.health == Health::kTracked;
     p.anchored = p.camera_confirmed && (!feedback->object_exists || p.object_confirmed);
@@ -364,6 +375,7 @@ SegmentationResult RigidFusionSegmenter::Impl::process(PreparedFrame frame,
   }
   out.has_prior_T_WC = prior.camera != PriorState::kMissing;
   if (out.has_prior_T_WC) out.prior_T_WC = prior.T_WCb;
+  swap.observe(out);
   out.has_T_CO = priors.objectSeen();
   if (out.has_T_CO) out.T_CO = now.T_CO;
   now.mask_depth = {};

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "geometry/se3.hpp"
+#include "values/model_state.hpp"
+#include "values/segmentation_result.hpp"
+#include "values/swap_doubt.hpp"
+
+namespace rf {
+
+/// Where the poses would be if the world were the body and the body the world: there the object
+/// has never moved, and the camera has what the object was given. Kept without a camera prior only.
+class SwappedReading {
+ public:
+  /// `T_WO`: the object's pose after this frame, where it has a model; `born`: since this frame.
+  void observe(const SegmentationResult& segmentation, bool born, const std::optional<SE3>& T_WO);
+
+  /// The pose with the other reading's distance in its covariance (d d^T, d = log(T_W^-1 T_W'),
+  /// right perturbation), where that reading is possible; its health follows.
+  BodyPose widened(BodyPose pose) const;
+
+ private:
+  SwapDoubt doubt_;
+  SE3 T_WW_;  ///< T_W' = T_WW_ T_W: poses of this reading -> poses of the other
+  std::optional<SE3> last_T_WO_;
+};
+
+}  // namespace rf

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "values/segmentation_result.hpp"
+
+namespace rf {
+
+/// Whether the world may have been taken for the body. Without a camera prior the larger of two
+/// motions is read as the world's (docs/HEALTH.md), and only habit keeps that right once the
+/// body fills more than half of the view: from then on pictures cannot tell which of both moves,
+/// and nothing that follows can either. Fusion and segmentation each keep one, fed alike.
+class SwapDoubt {
+ public:
+  void observe(const SegmentationResult& s) {
+    if (!s.has_prior_T_WC && s.object_moving && s.dynamic_share > kMajority) possible_ = true;
+  }
+  bool possible() const { return possible_; }
+
+ private:
+  static constexpr double kMajority = 0.5;
+  bool possible_ = false;
+};
+
+}  // namespace rf
