@@ -76,6 +76,8 @@ class Quick(unittest.TestCase):
         frozen = {r["case"]: r for r in self.rows("priors")}
         self.assertEqual(frozen["no camera prior"]["prior_ate_first_cm"], "")
         self.assertGreater(float(frozen["frozen"]["prior_ate_first_cm"]), float(ours["prior_ate_first_cm"]))
+        uses = {r["object_prior"] for r in self.rows("drift")}
+        self.assertEqual(uses, {"in all frames", "at gate and start", "none"})
         covered = [r for r in self.rows("health") if r["event"] == "lens covered"][0]
         self.assertEqual(covered["event_frame"], "36")
 

@@ -16,6 +16,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import tempfile
 
 from . import measures, report, summary
 from .cache import Cache
@@ -84,13 +85,14 @@ def parse(arguments, bin_folder, recordings):
 
 
 def knows(bin_folder):
-    """Whether rf-run has a setting: it refuses unknown ones before it looks for its input."""
+    """Whether rf-run has a setting: it refuses unknown ones before it looks into its input, here an empty folder."""
     answers = {}
 
     def ask(setting):
         if setting not in answers:
-            done = subprocess.run([bin_folder / "rf-run", "--input", "/dev/null/none", "--output", "/dev/null/none",
-                                   "--set", setting], capture_output=True, check=False)
+            with tempfile.TemporaryDirectory() as empty:
+                done = subprocess.run([bin_folder / "rf-run", "--input", empty, "--output", empty, "--set", setting],
+                                      capture_output=True, check=False)
             answers[setting] = done.returncode != RF_RUN_BAD_CONFIGURATION
         return answers[setting]
     return ask
