@@ -17,7 +17,8 @@ void SwappedReading::observe(const SegmentationResult& s, bool born,
 BodyPose SwappedReading::widened(BodyPose pose) const {
   if (!doubt_.possible()) return pose;
   const Vec6 d = (pose.T_W.inverse() * T_WW_ * pose.T_W).log();
-  pose.covariance += d * d.transpose();
+  pose.covariance.diagonal().head<3>().array() += d.head<3>().squaredNorm();
+  pose.covariance.diagonal().tail<3>().array() += d.tail<3>().squaredNorm();
   demoteUncertain(pose);
   return pose;
 }

@@ -17,8 +17,9 @@ class SwappedReading {
   /// `T_WO`: the object's pose after this frame, where it has a model; `born`: since this frame.
   void observe(const SegmentationResult& segmentation, bool born, const std::optional<SE3>& T_WO);
 
-  /// The pose with the other reading's distance in its covariance (d d^T, d = log(T_W^-1 T_W'),
-  /// right perturbation), where that reading is possible; its health follows.
+  /// The pose with the other reading's distance, d = log(T_W^-1 T_W'), in its covariance where that
+  /// reading is possible: |d|^2 of translation and of rotation in all directions alike, since a
+  /// matrix of d d^T and a pose's own millimetres is too near to singular. Its health follows.
   BodyPose widened(BodyPose pose) const;
 
  private:

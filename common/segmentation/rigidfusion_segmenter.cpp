@@ -250,7 +250,8 @@ void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& 
         warpScores(last.memory, maskCamera(), now.levels[kCoarseLevel],
                    clusters.label[kCoarseLevel], clusters.centres.size(), step, step);
     now.memory = scoreImage(out.label, kept.target);
-    if (settling.inDoubt()) {
+    // Without an object prior a mask that lapses is rather a false start than a pause.
+    if (priors.objectSeen() && settling.inDoubt()) {
       out.gamma = kept.target;
       out.score = now.memory;
       out.dynamic_share = dynamicShare(out.label, out.gamma);

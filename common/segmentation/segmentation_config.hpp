@@ -61,7 +61,8 @@ struct SegmentationConfig {
       "least share of pixels with depth for an estimate");
     v("window_frames", window_frames, 1, 30, "frames", "how far back the reference frame may lie");
     v("settle_frames", settle_frames, 0, 30, "frames",
-      "how long the mask stays where a body has come to rest; 0: it goes at once");
+      "with an object prior: how long the mask stays where a body has come to rest; 0: it goes at "
+      "once");
     v("window_s", window_s, 0.0, 2.0, "s",
       "how old the reference frame may be (if not the previous one)");
     v("window_rotation_rad", window_rotation_rad, 0.01, 1.0, "rad",
