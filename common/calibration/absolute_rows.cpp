@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "calibration/row_parts.hpp"
+
 namespace rf::calibration {
 namespace {
 
@@ -28,12 +30,6 @@ Eigen::Matrix<double, 6, kParameters> jacobianOf(const Path& path, const PoseRow
   J.col(kTime) =
       Jr * (E.inverse() * X.inverse()).adjoint() * path.twistAt(row.time - values.time_offset);
   return J;
-}
-
-Mat6 isotropic(double translation, double rotation) {
-  Vec6 v;
-  v << Vec3::Constant(translation), Vec3::Constant(rotation);
-  return v.asDiagonal();
 }
 
 }  // namespace

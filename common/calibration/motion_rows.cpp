@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "calibration/row_parts.hpp"
+
 namespace rf::calibration {
 namespace {
 
@@ -12,8 +14,7 @@ constexpr double kTimeMargin = 0.1;       ///< s that the offset may still move
 constexpr double kFrozenFor = 0.15;       ///< s of one pose, to the bit, while X moves
 constexpr double kMovedDistance = 0.015;  ///< m
 constexpr double kMovedAngle = 0.015;     ///< rad
-constexpr double kSameTime = 1e-9;
-constexpr double kFewestBlocks = 6;  ///< of which two are held out
+constexpr double kFewestBlocks = 6;       ///< of which two are held out
 
 enum class Fate : std::uint8_t { kGood, kNotCovered, kFrozen, kJump };
 

@@ -5,11 +5,12 @@
 #include <optional>
 #include <utility>
 
+#include "calibration/row_parts.hpp"
+
 namespace rf::calibration {
 namespace {
 
 constexpr double kTurnScaleStep = 1e-5;  ///< of the numeric derivative by the scale of rotation
-constexpr double kSameTime = 1e-9;       ///< s
 
 SE3 motion(const Path& path, double from, double to, double scale) {
   SE3 d = path.at(from).inverse() * path.at(to);
@@ -72,12 +73,6 @@ struct RowAt {
     return zeta;
   }
 };
-
-Mat6 isotropic(double translation, double rotation) {
-  Vec6 v;
-  v << Vec3::Constant(translation), Vec3::Constant(rotation);
-  return v.asDiagonal();
-}
 
 /// Noise of each pose alone: `before(i)` carries the error of row i's first pose to its end.
 template <class Before>

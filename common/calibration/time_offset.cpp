@@ -8,7 +8,7 @@
 namespace rf::calibration {
 namespace {
 
-constexpr double kStep = 0.02;               ///< s
+constexpr double kLagStep = 0.02;            ///< s
 constexpr double kHalfWindow = 0.15;         ///< s; smooths the noise of seen poses
 constexpr double kSmallestVariation = 0.02;  ///< rad/s or m/s: less is taken as noise
 
@@ -21,7 +21,7 @@ struct Speeds {
 Speeds speedsOf(const Path& path, double from, std::size_t count) {
   Speeds speeds;
   for (std::size_t i = 0; i < count; ++i) {
-    const double t = from + static_cast<double>(i) * kStep;
+    const double t = from + static_cast<double>(i) * kLagStep;
     const SE3 d = path.at(t - kHalfWindow).inverse() * path.at(t + kHalfWindow);
     speeds.turning.push_back(d.log().tail<3>().norm() / (2 * kHalfWindow));
     speeds.moving.push_back(d.t.norm() / (2 * kHalfWindow));
@@ -55,7 +55,7 @@ OffsetGuess best(const std::vector<double>& a, const std::vector<double>& b, int
   for (int lag = -margin; lag <= margin; ++lag) {
     const double c = correlation(a, b, lag, margin);
     // a at t + lag * step is like b at t: what A stamps late must be moved back.
-    if (c > guess.correlation) guess = {-lag * kStep, c};
+    if (c > guess.correlation) guess = {-lag * kLagStep, c};
   }
   return guess;
 }
@@ -65,11 +65,11 @@ OffsetGuess best(const std::vector<double>& a, const std::vector<double>& b, int
 OffsetGuess guessOffset(const Path& A, const Path& X, double largest) {
   const double from = std::max(A.begin(), X.begin());
   const double to = std::min(A.end(), X.end());
-  if (to - from < 4 * kStep) return {};
-  const auto count = static_cast<std::size_t>((to - from) / kStep);
+  if (to - from < 4 * kLagStep) return {};
+  const auto count = static_cast<std::size_t>((to - from) / kLagStep);
   const Speeds a = speedsOf(A, from, count);
   const Speeds x = speedsOf(X, from, count);
-  const int margin = static_cast<int>(std::ceil(largest / kStep));
+  const int margin = static_cast<int>(std::ceil(largest / kLagStep));
   const OffsetGuess turning = best(a.turning, x.turning, margin);
   const OffsetGuess moving = best(a.moving, x.moving, margin);
   return turning.correlation >= moving.correlation ? turning : moving;

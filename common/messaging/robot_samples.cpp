@@ -92,7 +92,7 @@ Sampled sample(const rigidfusion::grasp_t& m) {
   }
   RobotSample out;
   out.utime = m.utime;
-  out.grasp = Grasp{m.utime, m.held == 1, fromWire(m.T_GO)};
+  out.grasp = Grasp{m.utime, m.held == 1, rf::fromWire(m.T_GO)};
   return out;
 }
 
