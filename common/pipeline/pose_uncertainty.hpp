@@ -10,10 +10,6 @@
 
 namespace rf {
 
-/// A pose less certain than this is not called tracked, metres: half of the 10 cm by which a
-/// tracked pose must never be off, so that these are two standard deviations.
-inline constexpr double kTrustedSigma = 0.05;
-
 /// Standard deviation of a position in its most uncertain direction, metres.
 double positionSigma(const Mat6& covariance);
 

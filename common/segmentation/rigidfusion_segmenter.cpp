@@ -84,9 +84,8 @@ struct RigidFusionSegmenter::Impl {
 bool RigidFusionSegmenter::Impl::onMap(const BodyPose& camera_pose) const {
   if (camera_pose.health == Health::kTracked) return true;
   // In doubt for one reason only: which body is the world. On the map it is as right as before.
-  constexpr double kTrustedVariance = 0.05 * 0.05;  // fusion calls no pose beyond it tracked
   return swap.possible() && camera_pose.health == Health::kDegraded &&
-         camera_pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedVariance;
+         camera_pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedSigma * kTrustedSigma;
 }
 
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {

@@ -15,6 +15,10 @@ inline constexpr std::uint8_t kBodyNone = 0;
 inline constexpr std::uint8_t kBodyStatic = 1;
 inline constexpr std::uint8_t kBodyObject = 2;
 
+/// A pose less certain than this is not called tracked, metres: half of the 10 cm by which a
+/// tracked pose must never be off, so that these are two standard deviations.
+inline constexpr double kTrustedSigma = 0.05;
+
 /// One body's pose after frame-to-model refinement.
 struct BodyPose {
   SE3 T_W;                             ///< T_WC for the camera, T_WO for the object
