@@ -65,6 +65,7 @@ class Quick(unittest.TestCase):
         summary = (self.out / "summary.md").read_text()
         self.assertIn("camera ATE sideway, SE3, cm", summary)
         self.assertTrue("reached" in summary and "missed" in summary)
+        self.assertIn("| tracked, but more than 10 cm off | runs |", summary)
 
     def check_numbers(self):
         """Of a cut as short as this only what cannot fail for accuracy's sake."""

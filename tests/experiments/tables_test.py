@@ -64,6 +64,17 @@ class Conclusions(unittest.TestCase):
                 for s, d, r in (("a", 0, 1), ("a", 6, 2), ("a", 12, 2), ("b", 0, 1), ("b", 6, 1), ("b", 12, 9))]
         self.assertEqual(drift.tolerated(rows, "none"), 6)
 
+    def test_poses_off_while_tracked_are_counted_in_every_experiment(self):
+        def row(run, method="rigidfusion", camera=0, body=0):
+            return {"run": run, "method": method, "off_while_tracked": camera, "object_off_while_tracked": body}
+
+        known = {"camera": [row("a", camera=3), row("b", body=None), row("c", "vo", camera=99)],
+                 "models": [{k: v for k, v in row("a", camera=3).items() if k != "method"}, row("d", body=7)]}
+        lines = [line.split(" | ") for line in summary.off_table(known).splitlines()[2:]]
+        self.assertEqual([[cell.strip("| ") for cell in line] for line in lines],
+                         [["camera", "2", "1", "3", "0", "0"], ["models", "2", "1", "3", "1", "7"],
+                          ["all", "3", "1", "3", "1", "7"]])
+
     def test_rotation_drifts_in_proportion_up_to_its_cap(self):
         self.assertAlmostEqual(drift.rotation(6), 0.4)
         self.assertAlmostEqual(drift.rotation(3), 0.2)

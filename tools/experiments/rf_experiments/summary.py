@@ -165,6 +165,24 @@ def figures():
     return [*camera_figures(), *other_figures(), *real_figures(), *mask_figures(), *prior_figures()]
 
 
+def off_line(name, rows):
+    """Runs of our mode, and those in which a pose was more than 10 cm off while its health said tracked."""
+    own = list({r["run"]: r for r in rows if r.get("method", OURS) == OURS}.values())
+    cells = [name, str(len(own))]
+    for key in ("off_while_tracked", "object_off_while_tracked"):
+        frames = [r[key] for r in own if r.get(key)]
+        cells += [str(len(frames)), str(sum(frames))]
+    return cells
+
+
+def off_table(known):
+    """The same for every experiment; experiments share runs, and the last line has each once."""
+    lines = [off_line(name, rows) for name, rows in known.items()]
+    every = off_line("all", [row for rows in known.values() for row in rows])
+    return tables.markdown(["tracked, but more than 10 cm off", "runs", "camera: runs", "frames", "object: runs",
+                            "frames"], [*lines, every])
+
+
 def write(folder, names, command, notes):
     """summary.md from the tables in the folder, those of earlier calls too."""
     known = {n: tables.read_csv(folder / f"{n}.csv") for n in names if (folder / f"{n}.csv").exists()}
@@ -174,5 +192,6 @@ def write(folder, names, command, notes):
     text = ["# Figures to reach\n", f"`{command}`\n",
             f"Medians over n runs. {reached} reached, {missed} missed, {len(body) - reached - missed} not measured.\n",
             tables.markdown(["figure", "paper's best", "to reach", "found", ""], body),
+            off_table(known),
             "Tables: " + ", ".join(f"[{n}]({n}.md)" for n in known) + "\n"]
     (folder / "summary.md").write_text("\n".join(text + [f"- {note}" for note in notes]) + ("\n" if notes else ""))
