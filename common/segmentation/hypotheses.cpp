@@ -215,6 +215,31 @@ double staticShare(const JointLevel& level, const std::vector<float>& gamma) {
   return pixels > 0 ? sum / pixels : 1.0;
 }
 
+/// What the decision weighs of a reading.
+struct Weighed {
+  double image = 0;         ///< as negative log likelihood
+  double total = 0;         ///< image, priors, map and charges; without one body's bonus
+  double static_share = 1;  ///< of the pixels
+};
+
+std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
+                           const std::vector<ReadingEnergy>& energies, const DecisionInput& input,
+                           const DecisionParams& decision, double scale, double map_weight) {
+  std::vector<Weighed> out(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const JointState& state = candidates[i].fit.state;
+    Weighed& w = out[i];
+    w.image = scale * energies[i].image;
+    w.total = w.image + input.window_prior.cost(state.T_s, state.T_d) + candidates[i].charge +
+              map_weight * scale * energies[i].map;
+    if (state.one_body) continue;
+    w.static_share = staticShare(input.level, state.gamma);
+    if (i > 0) w.total += decision.switch_charge * out[0].image;
+    if (w.static_share < decision.no_static_share) w.total += decision.no_static_charge;
+  }
+  return out;
+}
+
 }  // namespace
 
 Decision decide(const DecisionInput& input, const JointParams& params,
@@ -222,35 +247,33 @@ Decision decide(const DecisionInput& input, const JointParams& params,
                 const MapEvidenceParams& map) {
   const Readings readings(input, params, decision, terms);
   std::vector<Candidate> candidates = solveReadings(readings, input);
-  const std::vector<ReadingEnergy> energies =
-      readingEnergies(candidates, input, params, terms, map);
   const double scale = decision.reference_pixels / (2.0 * params.kappa);
-  double continue_image = 0;
-  Decision best;
-  best.energy = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    Candidate& candidate = candidates[i];
-    const JointState& state = candidate.fit.state;
-    const double image = scale * energies[i].image;
-    double energy = image + input.window_prior.cost(state.T_s, state.T_d) + candidate.charge +
-                    map.decision_weight * scale * energies[i].map;
-    if (i == 0) continue_image = image;
-    if (state.one_body) {
-      best.one_body_energy = energy;
-      energy -= decision.one_body_bonus;
-    } else {
-      if (i > 0) energy += decision.switch_charge * continue_image;
-      if (staticShare(input.level, state.gamma) < decision.no_static_share)
-        energy += decision.no_static_charge;
-    }
-    if (energy < best.energy) {
-      best.energy = energy;
-      best.name = candidate.name;
-      best.continued = candidate.continued;
-      best.fit = std::move(candidate.fit);
-    }
+  const std::vector<Weighed> weighed =
+      weigh(candidates, readingEnergies(candidates, input, params, terms, map), input, decision,
+            scale, map.decision_weight);
+  const auto one = static_cast<std::size_t>(
+      std::find_if(candidates.begin(), candidates.end(),
+                   [](const Candidate& c) { return c.fit.state.one_body; }) -
+      candidates.begin());
+  const bool unannounced = input.window_prior.outlier_class && input.map == nullptr;
+  const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
+  std::size_t best = one;
+  double energy = weighed[one].total - decision.one_body_bonus;
+  for (std::size_t i = 0; i < weighed.size(); ++i) {
+    const Weighed& w = weighed[i];
+    if (i == one || w.total >= energy) continue;
+    const bool earned = w.image <= most_image && w.static_share >= decision.no_static_share;
+    if (unannounced && !earned) continue;
+    best = i;
+    energy = w.total;
   }
-  return best;
+  Decision out;
+  out.body_seen = best != one;
+  if (unannounced && !input.body_seen) best = one;
+  out.name = candidates[best].name;
+  out.continued = candidates[best].continued;
+  out.fit = std::move(candidates[best].fit);
+  return out;
 }
 
 }  // namespace rf

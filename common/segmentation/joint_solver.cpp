@@ -176,6 +176,10 @@ Vec6 boundedStep(Vec6 step) {
   return scale > 1.0 ? Vec6(step / scale) : step;
 }
 
+/// What is left static below this share of the pixels is what fits best by chance: no measure of
+/// what an explained cluster costs. Capped by it a view that is all body looked cheap.
+constexpr double kLeastExplained = 0.1;
+
 /// Without an object prior a cluster may leave the static world although no body explains it: its
 /// energy as a part of the body is capped above what an explained cluster costs.
 void capObjectEnergies(const JointPrior& prior, const JointParams& params,
@@ -183,12 +187,15 @@ void capObjectEnergies(const JointPrior& prior, const JointParams& params,
   if (!prior.outlier_class) return;
   double sum = 0;
   double weight = 0;
+  double pixels = 0;
   for (std::size_t k = 0; k < energies.pixels.size(); ++k) {
     const double w = energies.pixels[k] * (gamma.empty() ? 1.0 : static_cast<double>(gamma[k]));
     sum += w * energies.static_energy[k];
     weight += w;
+    pixels += energies.pixels[k];
   }
-  const double cap = (weight > 0 ? sum / weight : 0) + params.outlier_margin;
+  if (!(weight > kLeastExplained * pixels)) return;
+  const double cap = sum / weight + params.outlier_margin;
   for (double& e : energies.object_energy) e = std::min(e, cap);
 }
 
@@ -240,9 +247,7 @@ ClusterEnergies clusterEnergies(const JointLevel& level, const JointFit& fit, do
 double imageEnergy(const JointLevel& level, const JointFit& fit, const JointPrior& prior,
                    const JointParams& params, double c) {
   ClusterEnergies e = clusterEnergies(level, fit, c);
-  const bool nothing_static =
-      std::none_of(fit.state.gamma.begin(), fit.state.gamma.end(), [](float g) { return g > 0; });
-  if (!nothing_static) capObjectEnergies(prior, params, fit.state.gamma, e);
+  capObjectEnergies(prior, params, fit.state.gamma, e);
   double total = 0;
   double pixels = 0;
   for (std::size_t k = 0; k < e.pixels.size(); ++k) {

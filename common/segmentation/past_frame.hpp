@@ -22,6 +22,7 @@ struct PastFrame {
   bool object_confirmed = false;  ///< tracked against its own model
   bool anchored = false;          ///< the models confirmed all that there is
   bool object_moves = false;
+  bool body_seen = false;   ///< Decision::body_seen
   Increment camera_source;  ///< the prior as given; measured: false when it is missing
   Increment object_source;
   Increment camera;            ///< accepted prior increment from the frame before

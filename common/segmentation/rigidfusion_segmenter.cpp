@@ -160,6 +160,7 @@ DecisionInput RigidFusionSegmenter::Impl::decisionInput(const PastFrame& ref, co
   input.step_prior = priors.step(ref, last, now);
   input.adjacency = &clusters.adjacency;
   input.camera_measured = now.camera.measured;
+  input.body_seen = last.body_seen;
   const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
   const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
   input.continued.T_s = input.step_prior.T_s;
@@ -314,6 +315,7 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
   StageClock clock;
   out.hypothesis = found.decision.name;
   out.object_moving = !found.fit.state.one_body;
+  now.body_seen = found.decision.body_seen;
   settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
   takeMask(found.fit, ref, clusters, found.window_prior, now, out);
