@@ -67,12 +67,7 @@ SequenceRun run(int threads, bool self_filter) {
   config.segmentation.self_filter.enabled = self_filter;
   PriorStage prior(config.prior);
   prior.useRobot(robotPrior(config.prior), true, true);
-  std::size_t at = 0;
-  SequenceRun out =
-      runSequence(simulator().world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
-        if (at == scene().frames.size()) return std::nullopt;
-        return scene().frames[at++];
-      });
+  SequenceRun out = runSequence(simulator().world().camera, config, prior, framesOf(scene()));
   setThreads(1);
   return out;
 }

@@ -23,12 +23,7 @@ TEST(Onset, TheCameraStaysWithTheWorld) {
   PriorStage prior(config.prior);
   prior.addCameraPoses(cut.camera_prior);
   prior.addObjectPoses(cut.object_prior);
-  std::size_t at = 0;
-  const SequenceRun out =
-      runSequence(simulator.world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
-        if (at == cut.frames.size()) return std::nullopt;
-        return cut.frames[at++];
-      });
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
   setThreads(1);
   ASSERT_EQ(out.camera.size(), cut.frames.size());
   const TrajectoryScore camera = scoreCamera(out.camera, cut.camera, out.frames);

@@ -22,12 +22,7 @@ TEST(RestingWorld, NoBodyIsBornOfMisfit) {
   PriorStage prior(config.prior);
   prior.addCameraPoses(cut.camera_prior);
   setThreads(2);
-  std::size_t at = 0;
-  const SequenceRun out =
-      runSequence(simulator.world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
-        if (at == cut.frames.size()) return std::nullopt;
-        return cut.frames[at++];
-      });
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
   setThreads(1);
   EXPECT_EQ(out.camera.size(), cut.frames.size());
   EXPECT_TRUE(out.object.empty());

@@ -37,4 +37,11 @@ SimulatedCut renderCut(const sim::Simulator& simulator, int first, int count, st
   return cut;
 }
 
+std::function<std::optional<RgbdFrame>()> framesOf(const SimulatedCut& cut) {
+  return [&cut, at = std::size_t{0}]() mutable -> std::optional<RgbdFrame> {
+    if (at == cut.frames.size()) return std::nullopt;
+    return cut.frames[at++];
+  };
+}
+
 }  // namespace rf

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "simulation/simulator.hpp"
@@ -23,5 +25,8 @@ RgbdFrame shown(const sim::SimulatedFrame& frame);
 
 /// Renders `count` frames from `first` on, with two threads; `seed` is that of the drift.
 SimulatedCut renderCut(const sim::Simulator& simulator, int first, int count, std::uint64_t seed);
+
+/// One frame a call and nothing at the end, as runSequence asks for them. The cut outlives it.
+std::function<std::optional<RgbdFrame>()> framesOf(const SimulatedCut& cut);
 
 }  // namespace rf

@@ -33,12 +33,7 @@ SequenceRun run(int threads, Priors priors, const std::string& mode = "rigidfusi
   PriorStage prior(config.prior);
   prior.addCameraPoses(scene().camera_prior);
   if (priors == Priors::kBoth) prior.addObjectPoses(scene().object_prior);
-  std::size_t at = 0;
-  const SequenceRun out =
-      runSequence(simulator().world().camera, config, prior, [&]() -> std::optional<RgbdFrame> {
-        if (at == scene().frames.size()) return std::nullopt;
-        return scene().frames[at++];
-      });
+  const SequenceRun out = runSequence(simulator().world().camera, config, prior, framesOf(scene()));
   setThreads(1);
   return out;
 }
