@@ -29,10 +29,12 @@ SimulatedCut renderCut(const sim::Simulator& simulator, int first, int count, st
     cut.truth.push_back(std::move(f.mask));
     cut.speed.push_back(f.object_speed_mps);
     cut.camera.push_back({f.utime, f.T_WC});
-    cut.object.push_back({f.utime, f.T_WB[1]});
+    if (f.T_WB.size() > 1) cut.object.push_back({f.utime, f.T_WB[1]});
   }
   setThreads(1);
   cut.camera_prior = withDrift(cut.camera, {0.06, 0.4, seed, DriftStream::kCamera});
+  // In a world at rest there is no object, and a drift of no poses is refused.
+  if (cut.object.empty()) return cut;
   cut.object_prior = withDrift(cut.object, {0.015, 0.1, seed, DriftStream::kObject});
   return cut;
 }

@@ -12,7 +12,8 @@
 
 namespace rf {
 
-/// A part of a simulated sequence with its truth, and priors that drift as in the paper.
+/// A part of a simulated sequence with its truth, and priors that drift as in the paper. Without an
+/// object in the scene, `object` and `object_prior` are empty.
 struct SimulatedCut {
   std::vector<RgbdFrame> frames;
   std::vector<Image<std::uint8_t>> truth;  ///< masks
