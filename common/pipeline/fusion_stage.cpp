@@ -103,9 +103,9 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   if (may.world && closeLoop(f, m)) may.world = false;
   if (action == ObjectAction::kRest) judgeRestingObject(f, m);
   settleUncertainty(f, segmentation, action, may, m);
-  const bool modelled = m.life.phase != ObjectPhase::kNone;
-  m.swapped.observe(segmentation, action == ObjectAction::kBirth,
-                    modelled ? std::optional<SE3>(m.T_WO) : std::nullopt);
+  ReadFrame read{m.camera_pose.T_W, std::nullopt, action == ObjectAction::kBirth};
+  if (m.life.phase != ObjectPhase::kNone) read.T_WO = m.T_WO;
+  m.swapped.observe(segmentation, read);
   clock.lap("predict", times);
   fuseModels(f, action, may, m);
   clock.lap("fuse", times);

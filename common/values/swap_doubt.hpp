@@ -5,14 +5,16 @@
 
 namespace rf {
 
-/// Whether the world may have been taken for the body. Without a camera prior the larger of two
-/// motions is read as the world's (docs/HEALTH.md), and only habit keeps that right once the
-/// body fills more than half of the view: from then on pictures cannot tell which of both moves,
-/// and nothing that follows can either. Fusion and segmentation each keep one, fed alike.
+/// Whether the world may have been taken for the body. Without a prior for the camera or without
+/// one for the object the larger of two motions is read as the world's (docs/HEALTH.md), and only
+/// habit keeps that right once the body fills more than half of the view: from then on pictures
+/// cannot tell which of both moves, and nothing that follows can either. Fusion and segmentation
+/// each keep one, fed alike.
 class SwapDoubt {
  public:
   void observe(const SegmentationResult& s) {
-    if (!s.has_prior_T_WC && s.object_moving && s.dynamic_share > kMajority) possible_ = true;
+    const bool told = s.has_prior_T_WC && s.has_T_CO;
+    if (!told && s.object_moving && s.dynamic_share > kMajority) possible_ = true;
   }
   bool possible() const { return possible_; }
 
