@@ -57,7 +57,7 @@ struct RigidFusionSegmenter::Impl {
 
   SegmentationResult process(PreparedFrame frame, const MotionPrior& prior,
                              const ModelState* feedback);
-  bool onMap(const BodyPose& camera_pose) const;
+  bool onModel(const BodyPose& pose) const;
   void applyFeedback(const ModelState* feedback);
   const PastFrame* reference(const PastFrame& now) const;
   static JointLevel levelOf(const PastFrame& reference, const PastFrame& now,
@@ -81,11 +81,11 @@ struct RigidFusionSegmenter::Impl {
   void finish(PastFrame& now, SegmentationResult& out);
 };
 
-bool RigidFusionSegmenter::Impl::onMap(const BodyPose& camera_pose) const {
-  if (camera_pose.health == Health::kTracked) return true;
-  // In doubt for one reason only: which body is the world. On the map it is as right as before.
-  return swap.possible() && camera_pose.health == Health::kDegraded &&
-         camera_pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedSigma * kTrustedSigma;
+bool RigidFusionSegmenter::Impl::onModel(const BodyPose& pose) const {
+  if (pose.health == Health::kTracked) return true;
+  // In doubt for one reason only: which body is the world. On its model it is as right as before.
+  return swap.possible() && pose.health == Health::kDegraded &&
+         pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedSigma * kTrustedSigma;
 }
 
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
@@ -94,9 +94,11 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
   for (std::size_t i = 0; i < past.size(); ++i) {
     PastFrame& p = past[i];
     if (p.utime != feedback->utime) continue;
-    p.camera_confirmed = onMap(feedback->camera);
+    p.camera_confirmed = onModel(feedback->camera);
+    // Without a camera prior nothing will tell, and the model would hold a wrong reading for ever.
     p.object_confirmed = p.camera_confirmed && feedback->object_exists &&
-                         feedback->object.health == Health::kTracked;
+                         (p.camera_source.measured ? onModel(feedback->object)
+                                                   : feedback->object.health == Health::kTracked);
     p.anchored = p.camera_confirmed && (!feedback->object_exists || p.object_confirmed);
     if (p.camera_confirmed) {
       p.T_WC = feedback->camera.T_W;
