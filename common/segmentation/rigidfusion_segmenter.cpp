@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "segmentation/rigidfusion_segmenter.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -84,8 +85,10 @@ struct RigidFusionSegmenter::Impl {
 bool RigidFusionSegmenter::Impl::onModel(const BodyPose& pose) const {
   if (pose.health == Health::kTracked) return true;
   // In doubt for one reason only: which body is the world. On its model it is as right as before.
+  const Eigen::Matrix3d position = pose.covariance.topLeftCorner<3, 3>();
   return swap.possible() && pose.health == Health::kDegraded &&
-         pose.covariance.topLeftCorner<3, 3>().trace() > kTrustedSigma * kTrustedSigma;
+         position.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff() >
+             kTrustedSigma * kTrustedSigma;
 }
 
 void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
