@@ -9,7 +9,7 @@ namespace rf {
 namespace {
 
 /// The paper's drift adds up alike for about a second (priors/drift.hpp); a longer window tells no
-/// more of it and tells it later (docs/RESULTS.md, "A body that nothing announced").
+/// more of it and tells it later (docs/RESULTS.md, "Mask and world swapped").
 constexpr std::int64_t kWindowUs = 1'000'000;
 
 /// How much more of the squared distance to the prior the other reading has to leave. With errors
