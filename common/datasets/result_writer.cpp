@@ -66,11 +66,20 @@ ResultWriter::ResultWriter(const std::string& folder, const Camera& camera, cons
       write_masks_(options.write_masks),
       camera_(in(folder, "camera.txt"), "T_WC: timestamp tx ty tz qx qy qz qw"),
       object_(in(folder, "object.txt"), "T_WO: timestamp tx ty tz qx qy qz qw"),
+      newborn_(options.newborn_frames),
       frames_(in(folder, "frames.csv")),
       covariances_(in(folder, "covariance.csv")) {
   std::ofstream config(in(folder, "config.yaml"), std::ios::trunc);
   config << options.config_yaml << std::flush;
   if (!config) throw DatasetError(in(folder, "config.yaml") + ": cannot be written");
+}
+
+ResultWriter::~ResultWriter() {
+  try {
+    for (const StampedPose& T_WO : newborn_.rest()) object_.add(T_WO.utime, T_WO.pose);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "{}\n", e.what());
+  }
 }
 
 void ResultWriter::add(const RgbdFrame& frame, const SegmentationResult& segmentation,
@@ -80,9 +89,7 @@ void ResultWriter::add(const RgbdFrame& frame, const SegmentationResult& segment
                                             frame.utime, segmentation.utime, state.utime));
   }
   if (isKnown(state.camera.health)) camera_.add(state.utime, state.camera.T_W);
-  if (state.object_exists && isKnown(state.object.health)) {
-    object_.add(state.utime, state.object.T_W);
-  }
+  addObject(state);
   if (write_masks_) {
     const std::string file = formatTimestamp(frame.utime) + ".png";
     writeGreyImage((fs::path(folder_) / "masks" / file).string(),
@@ -92,6 +99,14 @@ void ResultWriter::add(const RgbdFrame& frame, const SegmentationResult& segment
   frames_.add(segmentation, state);
   covariances_.add(state);
   ++frames_written_;
+}
+
+void ResultWriter::addObject(const ModelState& state) {
+  if (!state.object_exists) newborn_.gone();
+  if (!state.object_exists || !isKnown(state.object.health)) return;
+  for (const StampedPose& T_WO : newborn_.add({state.utime, state.object.T_W})) {
+    object_.add(T_WO.utime, T_WO.pose);
+  }
 }
 
 void ResultWriter::addPrior(const MotionPrior& prior) {

@@ -79,7 +79,8 @@ void FuseNode::takeCamera(const CameraInfo& info) {
   if (!options_.output.empty() && !writer_) {
     writer_ = std::make_unique<ResultWriter>(
         options_.output, *camera_,
-        ResultWriter::Options{options_.write_masks, writeConfig(config_)});
+        ResultWriter::Options{options_.write_masks, writeConfig(config_),
+                              config_.fusion.object.false_birth_frames});
   }
 }
 

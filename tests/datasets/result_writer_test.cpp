@@ -138,6 +138,37 @@ TEST(ResultWriter, EveryFrameHasALineOrIsListedAsLost) {
   EXPECT_EQ(writer.framesLost(), 1);
 }
 
+TEST(ResultWriter, LeavesOutABodyThatWasAFalseAlarm) {
+  const TempFolder folder;
+  const auto times = [&] {
+    std::vector<std::int64_t> out;
+    for (const StampedPose& p : readTrajectory(folder / "object.txt")) out.push_back(p.utime);
+    return out;
+  };
+  {
+    ResultWriter writer(folder.path(), smallCamera(), {false, "", 2});
+    std::int64_t utime = 0;
+    const auto add = [&](bool exists, Health health = Health::kTracked) {
+      OneFrame f(++utime);
+      f.state.object_exists = exists;
+      f.state.object.health = health;
+      writer.add(f.frame, f.segmentation, f.state);
+    };
+    for (const bool exists : {false, true, true, false, true, true}) add(exists);
+    EXPECT_TRUE(times().empty()) << "two frames: not known yet";
+    add(true, Health::kLost);
+    EXPECT_TRUE(times().empty()) << "no pose in that frame";
+    add(true);
+    EXPECT_EQ(times(), (std::vector<std::int64_t>{5, 6, 8}));
+    add(true);
+    EXPECT_EQ(times().back(), 9) << "no delay any more";
+    add(false);
+    add(true);
+    EXPECT_EQ(times().size(), 4U) << "the next body waits again";
+  }
+  EXPECT_EQ(times(), (std::vector<std::int64_t>{5, 6, 8, 9, 11})) << "kept when the run ends";
+}
+
 TEST(ResultWriter, KeepsThePriorsThatWereUsed) {
   const TempFolder folder;
   ResultWriter writer(folder.path(), smallCamera(), {});

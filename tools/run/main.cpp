@@ -66,8 +66,9 @@ int run(const rf::RunOptions& options) {
   rf::OfflinePipeline pipeline(config, source->camera(),
                                rf::makePriorStage(config.prior, options, remarks));
   for (const std::string& remark : remarks) fmt::print(stderr, "rf-run: {}\n", remark);
-  rf::ResultWriter writer(options.output, source->camera(),
-                          {options.write_masks, rf::writeConfig(config)});
+  rf::ResultWriter writer(
+      options.output, source->camera(),
+      {options.write_masks, rf::writeConfig(config), config.fusion.object.false_birth_frames});
   std::size_t done = 0;
   Ahead next = readAhead(*source, pipeline);
   while (g_stop == 0) {
