@@ -68,7 +68,8 @@ void judgeAligned(const CameraEvidence& e, FusionState& m) {
   m.blind = e.track.blind;
   const bool sudden = supportLost(e.track.pairs, m);
   if (!m.blind) learnFit(e.track, m);
-  const bool weak = e.gap || m.blind || sudden || e.track.inliers < kSureFactor * e.min_inliers;
+  const bool weak =
+      e.gap || e.jump || m.blind || sudden || e.track.inliers < kSureFactor * e.min_inliers;
   m.camera_pose.health = weak ? Health::kDegraded : Health::kTracked;
 }
 
@@ -92,6 +93,13 @@ bool believed(const TrackResult& r, double min_inliers, const FusionState& m) {
   const double least = std::max(kSureFactor * min_inliers, kLeastSupport * m.usual_pairs);
   return r.inliers >= least && r.inlier_share >= m.config.tracking.sure_share && !r.blind &&
          fitsAsUsual(r, m);
+}
+
+bool jumps(const SE3& step, const SE3& steady, double seconds) {
+  constexpr double kShift = 0.1;          // metres: what health promises
+  constexpr double kAcceleration = 20.0;  // m/s^2
+  const double shift = (steady.inverse() * step).t.norm();
+  return shift > std::max(kShift, kAcceleration * seconds * seconds);
 }
 
 void noteLeap(const SegmentationResult& s, const TrackResult& r, FusionState& m) {

@@ -20,6 +20,10 @@ bool believed(const TrackResult& track, double min_inliers, const FusionState& s
 /// picture is not explained either, but says nothing of the motion.
 void noteLeap(const SegmentationResult& segmentation, const TrackResult& track, FusionState& state);
 
+/// Whether a step from the last frame is beyond what a camera does: farther from constant velocity
+/// than 10 cm, and than 2 g make within `seconds` (20 m/s^2).
+bool jumps(const SE3& step, const SE3& steady, double seconds);
+
 /// How the camera came to this frame's pose.
 struct CameraEvidence {
   const TrackResult& track;
@@ -28,6 +32,7 @@ struct CameraEvidence {
   double min_inliers = 0;       ///< that alignment had to have
   bool gap = false;             ///< frames are missing before this one
   bool leap = false;            ///< the step was not believed: constant velocity instead
+  bool jump = false;            ///< no camera moves like the step to the aligned pose: jumps()
 };
 
 /// Sets inliers, covariance and health of the camera's pose, rejected_frames, contradicted_frames,

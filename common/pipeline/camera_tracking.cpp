@@ -115,11 +115,13 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
     m.noise.learn(r.rms_sigma);
     m.config.sensor.noise = m.noise.factor();
   }
-  judgeCamera({r, s, step_cov, minInliers(m), gap, leap}, m);
+  const bool jump = r.accepted && jumps(r.T_PC, steady, m.secondsSince(s.utime));
+  judgeCamera({r, s, step_cov, minInliers(m), gap, leap, jump}, m);
   // A frame that segmentation could not read has no mask; a picture that shows nothing must not
-  // repaint the map. A pose that has nothing to be compared with may be fused while it is trusted.
+  // repaint the map, nor may a wrong place become one. A pose that has nothing to be compared with
+  // may be fused while it is trusted.
   const bool masked = s.first || s.camera.health <= Health::kDegraded;
-  if (r.accepted) return masked && !m.blind;
+  if (r.accepted) return masked && !m.blind && !jump;
   return r.inlier_share == 0 && m.camera_pose.health < Health::kPriorOnly &&
          positionSigma(m.camera_pose.covariance) < kTrustedSigma;
 }

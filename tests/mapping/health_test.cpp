@@ -38,8 +38,8 @@ class CameraHealth : public testing::Test {
     r.inlier_share = pairs > 0 ? 0.3 : 0.0;
     return r;
   }
-  Health judge(const TrackResult& r, bool gap = false, bool leap = false) {
-    judgeCamera({r, s, step, kMinInliers, gap, leap}, m);
+  Health judge(const TrackResult& r, bool gap = false, bool leap = false, bool jump = false) {
+    judgeCamera({r, s, step, kMinInliers, gap, leap, jump}, m);
     return m.camera_pose.health;
   }
 
@@ -58,6 +58,20 @@ TEST_F(CameraHealth, LittleSurfaceOrAGapDegrades) {
   EXPECT_EQ(judge(aligned(4.0 * kMinInliers)), Health::kDegraded);
   m.usual_pairs = 0;
   EXPECT_EQ(judge(aligned(), true), Health::kDegraded);
+}
+
+TEST_F(CameraHealth, AStepThatNoCameraMakesDegrades) {
+  EXPECT_EQ(judge(aligned(), false, false, true), Health::kDegraded);
+  EXPECT_EQ(judge(aligned()), Health::kTracked) << "of that frame only";
+
+  const SE3 steady(Eigen::Quaterniond::Identity(), {0.03, 0, 0});  // 1 m/s at 30 Hz
+  const auto moved = [](double x) { return SE3(Eigen::Quaterniond::Identity(), {x, 0, 0}); };
+  EXPECT_FALSE(jumps(moved(0.0), steady, 0.033)) << "a dead stop";
+  EXPECT_FALSE(jumps(moved(0.125), steady, 0.033));
+  EXPECT_TRUE(jumps(moved(0.135), steady, 0.033));
+  EXPECT_TRUE(jumps(moved(-0.08), steady, 0.033));
+  EXPECT_FALSE(jumps(moved(0.22), steady, 0.1)) << "2 g at 10 Hz: 20 cm";
+  EXPECT_TRUE(jumps(moved(0.24), steady, 0.1));
 }
 
 TEST_F(CameraHealth, ABlindPictureDegrades) {
