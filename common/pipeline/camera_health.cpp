@@ -105,7 +105,10 @@ bool jumps(const SE3& step, const SE3& steady, double seconds) {
 void noteLeap(const SegmentationResult& s, const TrackResult& r, FusionState& m) {
   const double residual = s.camera.rms_residual;
   if (m.usual_residual.exceededBy(residual) && !r.blind) {
-    m.camera_pose.covariance += searchedRange(m.config.tracking, false);
+    const Mat6 range = searchedRange(m.config.tracking, false);
+    m.camera_pose.covariance += range;
+    m.covariance_OC += range;
+    m.object_found = false;
   }
   m.usual_residual.learn(residual);
 }

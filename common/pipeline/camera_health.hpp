@@ -15,9 +15,10 @@ inline constexpr double kSureFactor = 5.0;
 /// some other place as well: it needs more surface and a better fit, too, as good as is usual here.
 bool believed(const TrackResult& track, double min_inliers, const FusionState& state);
 
-/// Puts the pose in doubt when segmentation's motion does not explain the picture by far: the
-/// camera may have been carried somewhere else, and what fits there may be another wall. A black
-/// picture is not explained either, but says nothing of the motion.
+/// Puts the pose in doubt, and the object's, whose model has to be found again, when segmentation's
+/// motion does not explain the picture by far: the camera may have been carried somewhere else, and
+/// what fits there may be another wall. A black picture is not explained either, but says nothing
+/// of the motion.
 void noteLeap(const SegmentationResult& segmentation, const TrackResult& track, FusionState& state);
 
 /// Whether a step from the last frame is beyond what a camera does: farther from constant velocity

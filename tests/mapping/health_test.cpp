@@ -145,10 +145,14 @@ TEST_F(CameraHealth, ALeapPutsAnAlignedPoseInDoubt) {
   s.camera.rms_residual = 5;
   TrackResult black = usual;
   black.blind = true;
+  m.object_found = true;
   noteLeap(s, black, m);
   EXPECT_LT(positionSigma(m.camera_pose.covariance), kTrustedSigma) << "a black picture is no leap";
+  EXPECT_TRUE(m.object_found);
   noteLeap(s, wall, m);
   EXPECT_GT(positionSigma(m.camera_pose.covariance), kTrustedSigma);
+  EXPECT_FALSE(m.object_found) << "the object was somewhere else in the view";
+  EXPECT_GT(positionSigma(m.covariance_OC), kTrustedSigma);
   EXPECT_FALSE(believed(wall, kMinInliers, m));
   EXPECT_TRUE(believed(usual, kMinInliers, m)) << "the map is found again where it was";
 }
