@@ -275,14 +275,16 @@ std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
   return out;
 }
 
-/// Whether a reading takes the body of the frame before for the world and the world for it.
+/// Whether a reading takes the body of the frame before for the world and the world for it. A world
+/// that was the smaller part has no such claim.
 bool contradicts(const DecisionInput& input, const JointState& state) {
-  if (state.one_body || !input.body_moved) return false;
+  const std::vector<float>& before = input.warped.target;
+  if (state.one_body || !input.body_moved || staticShare(input.level, before) < 0.5) return false;
   double differ = 0;
   double pixels = 0;
   for (const std::uint8_t k : *input.level.label) {
     if (k >= state.gamma.size()) continue;
-    differ += std::abs(static_cast<double>(state.gamma[k] - input.warped.target[k]));
+    differ += std::abs(static_cast<double>(state.gamma[k] - before[k]));
     ++pixels;
   }
   return differ > 0.5 * pixels;
