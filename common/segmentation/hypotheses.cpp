@@ -290,6 +290,7 @@ bool contradicts(const DecisionInput& input, const JointState& state) {
   return differ > 0.5 * pixels;
 }
 
+/// The cheaper of the readings with one body: without an object prior there are two.
 std::size_t bestOneBody(const std::vector<Candidate>& candidates,
                         const std::vector<Weighed>& weighed) {
   std::size_t best = candidates.size();

@@ -53,8 +53,9 @@ void PriorIntake::judge(const PastFrame& p, const PastFrame* before) {
   const bool follows = before != nullptr && before->camera_confirmed;
   camera_trust_.observe(p.camera_source, p.T_WC, follows);
   // Of two motions the wrong one must not talk down the only witness against it.
-  if (!p.object_moves)
+  if (!p.object_moves) {
     rest_trust_.observe(p.camera_source, p.T_WC, follows && !before->object_moves);
+  }
   if (!p.object_confirmed || !object_seen_) return;
   const SE3 pose = kinematic_object_ ? p.T_CO.inverse() : p.T_WC * p.T_CO;
   object_trust_.observe(p.object_source, pose, before != nullptr && before->object_confirmed);
