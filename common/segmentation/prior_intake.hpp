@@ -66,7 +66,6 @@ class PriorIntake {
   ObjectUse object_use_;
   PriorFilter camera_filter_, object_filter_;
   PriorTrust camera_trust_, object_trust_;
-  PriorTrust rest_trust_;  ///< the camera's, by frames in which only one motion was seen
   bool object_seen_ = false;
   bool object_anchored_;  ///< the object prior is used; its world is the camera's
   bool kinematic_object_ = false;

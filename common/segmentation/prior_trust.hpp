@@ -49,7 +49,6 @@ class PriorTrust {
 
   double translationFactor() const { return factor(square_m_); }
   double rotationFactor() const { return factor(square_rad_); }
-  bool doubted() const { return translationFactor() > 1.0 || rotationFactor() > 1.0; }
 
  private:
   struct Step {
