@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the experiments ask for."""
+import argparse
 import pathlib
 import tempfile
 import unittest
@@ -41,6 +42,14 @@ class Cases(unittest.TestCase):
     def test_scenes_can_be_left_out(self):
         cases = ALL["masks"].cases(Plan(scenes=("orbit", "size065")))
         self.assertEqual({c.run.sequence.scene for c in cases}, {"orbit", "size065"})
+
+    def test_runs_are_chosen_by_their_labels(self):
+        cases = ALL["drift"].cases(Plan())
+        chosen = cli.matching(cases, cli.pattern("object prior none, drift 0.34"))
+        self.assertEqual({(dict(c.tags)["object_prior"], dict(c.tags)["drift_cm_per_s"]) for c in chosen}, {("none", 34)})
+        self.assertEqual(cli.matching(cases, None), cases)
+        with self.assertRaisesRegex(argparse.ArgumentTypeError, "missing"):
+            cli.pattern("(")
 
     def test_settings_that_rf_run_does_not_know_are_left_out(self):
         uses = [{dict(c.tags)["object_prior"] for c in ALL["drift"].cases(Plan(knows=lambda s: answer))}

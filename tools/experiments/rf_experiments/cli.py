@@ -12,6 +12,7 @@ import argparse
 import contextlib
 import dataclasses
 import pathlib
+import re
 import shlex
 import signal
 import subprocess
@@ -52,6 +53,13 @@ def positive(text):
     return value
 
 
+def pattern(text):
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise argparse.ArgumentTypeError(f"{text}: {error}") from error
+
+
 def parse(arguments, bin_folder, recordings):
     parser = argparse.ArgumentParser(prog="rf-experiments", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -60,6 +68,8 @@ def parse(arguments, bin_folder, recordings):
     parser.add_argument("--seeds", type=numbers, default=(1, 2, 3, 4, 5), help="of our mode (default: 1-5)")
     parser.add_argument("--baseline-seeds", type=numbers, default=(1, 2), help="of the other modes (default: 1,2)")
     parser.add_argument("--scenes", type=words, default=(), metavar="NAME,...", help="leave out all other scenes")
+    parser.add_argument("--runs", type=pattern, metavar="REGEX",
+                        help="leave out the runs whose label, as --dry-run prints it, has no match")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings",
                         help="of rf-run, in every run of our mode: for ablations, each into its own --output")
     parser.add_argument("--quick", action="store_true", help="cuts of 60 frames, seed 1, few runs of each experiment")
@@ -125,6 +135,11 @@ def with_settings(cases, settings):
             if c.run.mode == OURS else c for c in cases]
 
 
+def matching(cases, expression):
+    """The cases whose runs' labels have a match; all without an expression."""
+    return [c for c in cases if expression is None or expression.search(c.run.label)]
+
+
 def rows_of(experiment, cases, cache):
     """A row for each case whose run is there, with the files it came from under `finished`."""
     rows = []
@@ -164,7 +179,8 @@ def stopping_on_signals(children):
 
 
 def run(options, plan, chosen):
-    cases = {name: with_settings(experiment.cases(plan), options.settings) for name, experiment in chosen.items()}
+    cases = {name: matching(with_settings(experiment.cases(plan), options.settings), options.runs)
+             for name, experiment in chosen.items()}
     wanted = [case.run for group in cases.values() for case in group]
     if options.dry_run:
         print("\n".join(dict.fromkeys(r.label for r in wanted)))
