@@ -2,6 +2,7 @@
 #include "segmentation/hypotheses.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct Candidate {
   std::string name;
   JointFit fit;
   bool continued = false;
-  double charge = 0;  ///< beside what every reading pays
+  double charge = 0;    ///< beside what every reading pays
+  bool turned = false;  ///< an unannounced split, read the other way round
 };
 
 /// Builds and solves the readings of one frame; each method is one of them.
@@ -36,8 +38,13 @@ class Readings {
     JointState start = in_.continued;
     start.T_s = in_.window_prior.T_s;
     start.one_body = true;
-    Candidate from_prior{"one-body", solve(start, in_.window_prior, in_.warped), false};
-    return from_prior;
+    return {"one-body", solve(start, in_.window_prior, in_.warped), false};
+  }
+
+  /// One body too, found from where all pixels together lead: a prior that is off by more than a
+  /// short solve can make good must not make one body look bad.
+  Candidate oneBodyFrom(const JointFit& dominant) const {
+    return {"one-body", solve(dominant.state, in_.window_prior, in_.warped), false};
   }
 
   /// All pixels as one body, the camera prior almost ignored.
@@ -65,9 +72,10 @@ class Readings {
     }
     const JointFit split = solveJoint(in_.level, start, in_.window_prior, weak_, *in_.adjacency,
                                       params_, terms_, decision_.iterations, true);
+    const bool charged = in_.camera_tells || in_.map != nullptr;  // else by its size
     return {body_dominant ? "object-dominant" : "camera-dominant",
             solve(split.state, in_.window_prior, weak_), false,
-            body_dominant ? decision_.body_dominant_charge : 0.0};
+            body_dominant && charged ? decision_.body_dominant_charge : 0.0};
   }
 
   Candidate fromMotions(const std::string& name, const SE3& T_s, const SE3& T_d) const {
@@ -86,10 +94,15 @@ class Readings {
     return fromMotions("between", T_s, in_.window_prior.expectedObject(T_s));
   }
 
+  /// What nothing announced may have been read the wrong way round.
+  Candidate turned(const Candidate& split) const {
+    Candidate out{"swap", solve(swappedState(split.fit.state), in_.window_prior, weak_), false};
+    out.turned = true;
+    return out;
+  }
+
   Candidate swapped(const Candidate& continued) const {
-    JointState start = continued.fit.state;
-    std::swap(start.T_s, start.T_d);
-    for (float& g : start.gamma) g = 1.0F - g;
+    const JointState start = swappedState(continued.fit.state);
     ScorePrior target = in_.warped;
     for (float& g : target.target) g = 1.0F - g;
     return {"swap", solve(start, in_.window_prior, target), false};
@@ -106,6 +119,12 @@ class Readings {
   }
 
  private:
+  static JointState swappedState(JointState state) {
+    std::swap(state.T_s, state.T_d);
+    for (float& g : state.gamma) g = 1.0F - g;
+    return state;
+  }
+
   /// Over the pixels, of their clusters' energies as static.
   static double medianEnergy(const ClusterEnergies& e) {
     std::vector<std::pair<double, int>> sorted;
@@ -135,25 +154,47 @@ class Readings {
   ScorePrior weak_;
 };
 
+/// No prior tells which of two bodies is the world.
+bool untold(const DecisionInput& input) {
+  return input.window_prior.outlier_class && !input.camera_tells;
+}
+
+/// The readings where no object prior says how a body moves, in a fixed order; where nothing tells
+/// which body is the world, the splits both ways round.
+std::vector<Candidate> solveUnannounced(const Readings& readings, const DecisionInput& input) {
+  const bool split = input.camera_measured;
+  const bool both_ways = untold(input);
+  const std::size_t told = split ? 5 : 3;
+  std::vector<Candidate> out(told + (both_ways ? (split ? 3 : 2) : 0));
+  JointFit dominant;
+  const SE3& L = dominant.state.T_s;
+  parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
+                 [&] { dominant = readings.dominantMotion(); }});
+  parallelCalls({[&] { out[2] = readings.fromMotions("outliers", L, L); },
+                 [&] {
+                   if (split) out[3] = readings.splitByDominant(dominant, false);
+                 },
+                 [&] {
+                   if (split) out[4] = readings.splitByDominant(dominant, true);
+                 },
+                 [&] {
+                   if (both_ways) out[told] = readings.oneBodyFrom(dominant);
+                 }});
+  if (!both_ways) return out;
+  parallelCalls({[&] { out[told + 1] = readings.turned(out[2]); },
+                 [&] {
+                   if (split) out[told + 2] = readings.turned(out[3]);
+                 }});
+  return out;
+}
+
 /// The readings of one frame in a fixed order, continuation first. Each is a chain of short solves
 /// with little to share out in any: whole readings are solved side by side.
 std::vector<Candidate> solveReadings(const Readings& readings, const DecisionInput& input) {
   const JointPrior& prior = input.window_prior;
   JointFit dominant;
   const SE3& L = dominant.state.T_s;
-  if (prior.outlier_class) {
-    std::vector<Candidate> out(input.camera_measured ? 5 : 3);
-    parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
-                   [&] { dominant = readings.dominantMotion(); }});
-    const auto outliers = [&] { out[2] = readings.fromMotions("outliers", L, L); };
-    if (input.camera_measured) {
-      parallelCalls({outliers, [&] { out[3] = readings.splitByDominant(dominant, false); },
-                     [&] { out[4] = readings.splitByDominant(dominant, true); }});
-    } else {
-      outliers();
-    }
-    return out;
-  }
+  if (prior.outlier_class) return solveUnannounced(readings, input);
   const bool relative = prior.object == JointPrior::Object::kRelative;
   std::vector<Candidate> out(relative ? 7 : 6);
   Candidate& restarted = out.back();
@@ -215,6 +256,19 @@ double staticShare(const JointLevel& level, const std::vector<float>& gamma) {
   return pixels > 0 ? sum / pixels : 1.0;
 }
 
+/// A body that no prior announced and no model knows.
+bool unannounced(const DecisionInput& input) {
+  return input.window_prior.outlier_class && input.map == nullptr;
+}
+
+/// How unlikely a world of that share of the view is: log odds of the body's share, none up to
+/// half.
+double smallWorld(double static_share) {
+  constexpr double kLeast = 1e-3;
+  const double share = std::clamp(static_share, kLeast, 0.5);
+  return std::log((1.0 - share) / share);
+}
+
 /// What the decision weighs of a reading.
 struct Weighed {
   double image = 0;         ///< as negative log likelihood
@@ -234,10 +288,60 @@ std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
               map_weight * scale * energies[i].map;
     if (state.one_body) continue;
     w.static_share = staticShare(input.level, state.gamma);
+    if (unannounced(input) && untold(input)) {
+      w.total += decision.small_world_charge * smallWorld(w.static_share);
+    }
     if (i > 0) w.total += decision.switch_charge * out[0].image;
     if (w.static_share < decision.no_static_share) w.total += decision.no_static_charge;
   }
   return out;
+}
+
+/// Whether a reading takes the body of the frame before for the world and the world for it. A world
+/// that was the smaller part has no such claim.
+bool contradicts(const DecisionInput& input, const JointState& state) {
+  const std::vector<float>& before = input.warped.target;
+  if (state.one_body || !input.body_moved || staticShare(input.level, before) < 0.5) return false;
+  double differ = 0;
+  double pixels = 0;
+  for (const std::uint8_t k : *input.level.label) {
+    if (k >= state.gamma.size()) continue;
+    differ += std::abs(static_cast<double>(state.gamma[k] - before[k]));
+    ++pixels;
+  }
+  return differ > 0.5 * pixels;
+}
+
+/// The cheaper of the readings with one body: there can be two.
+std::size_t bestOneBody(const std::vector<Candidate>& candidates,
+                        const std::vector<Weighed>& weighed) {
+  std::size_t best = candidates.size();
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!candidates[i].fit.state.one_body) continue;
+    if (best == candidates.size() || weighed[i].total < weighed[best].total) best = i;
+  }
+  return best;
+}
+
+/// Among all readings, or among those that leave mask and world as they were.
+std::size_t lowest(const std::vector<Candidate>& candidates, const std::vector<Weighed>& weighed,
+                   const DecisionInput& input, const DecisionParams& decision, bool turning) {
+  const std::size_t one = bestOneBody(candidates, weighed);
+  const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
+  std::size_t best = one;
+  double energy = weighed[one].total - decision.one_body_bonus;
+  for (std::size_t i = 0; i < weighed.size(); ++i) {
+    const Weighed& w = weighed[i];
+    const JointState& state = candidates[i].fit.state;
+    if (state.one_body || w.total >= energy) continue;
+    const bool earned = w.image <= most_image && w.static_share >= decision.no_static_share;
+    if (unannounced(input) && !earned) continue;
+    if (candidates[i].turned && !input.body_moved && w.static_share < 0.5) continue;
+    if (!turning && contradicts(input, state)) continue;
+    best = i;
+    energy = w.total;
+  }
+  return best;
 }
 
 }  // namespace
@@ -251,25 +355,19 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   const std::vector<Weighed> weighed =
       weigh(candidates, readingEnergies(candidates, input, params, terms, map), input, decision,
             scale, map.decision_weight);
-  const auto one = static_cast<std::size_t>(
-      std::find_if(candidates.begin(), candidates.end(),
-                   [](const Candidate& c) { return c.fit.state.one_body; }) -
-      candidates.begin());
-  const bool unannounced = input.window_prior.outlier_class && input.map == nullptr;
-  const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
-  std::size_t best = one;
-  double energy = weighed[one].total - decision.one_body_bonus;
-  for (std::size_t i = 0; i < weighed.size(); ++i) {
-    const Weighed& w = weighed[i];
-    if (i == one || w.total >= energy) continue;
-    const bool earned = w.image <= most_image && w.static_share >= decision.no_static_share;
-    if (unannounced && !earned) continue;
-    best = i;
-    energy = w.total;
-  }
+  const std::size_t one = bestOneBody(candidates, weighed);
   Decision out;
+  std::size_t best = lowest(candidates, weighed, input, decision, true);
+  const bool turned_birth = candidates[best].turned && !input.body_moved;
+  const bool turns = untold(input) && contradicts(input, candidates[best].fit.state);
+  if (turned_birth || turns) out.turned_frames = input.turned_frames + 1;
+  if (turns && out.turned_frames < decision.turn_frames) {
+    best = lowest(candidates, weighed, input, decision, false);
+  }
   out.body_seen = best != one;
-  if (unannounced && !input.body_seen) best = one;
+  // Blur reads a resting world once this way, once that; a body is read the same way twice.
+  const bool twice = input.body_seen && (!turned_birth || out.turned_frames > 1);
+  if (unannounced(input) && !twice) best = one;
   out.name = candidates[best].name;
   out.continued = candidates[best].continued;
   out.fit = std::move(candidates[best].fit);

@@ -40,13 +40,20 @@ PriorIntake::PriorIntake(const SegmentationConfig& config)
       object_filter_({config.object_spread_m, config.object_spread_rad}),
       camera_trust_(config.prior_trust),
       object_trust_(config.prior_trust),
+      rest_trust_(config.prior_trust, PriorTrust::Start::kNothing),
       object_anchored_(object_use_ != ObjectUse::kNone) {}
 
 void PriorIntake::judge(const PastFrame& p, const PastFrame* before) {
   if (p.camera_source.measured && p.object_confirmed && p.object_moves && !mature()) {
-    agreed_frames_ = camera_trust_.translationFactor() > 1.0 ? 0 : agreed_frames_ + 1;
+    const bool contradicts = cameraTells(p) && camera_trust_.translationFactor() > 1.0;
+    agreed_frames_ = contradicts ? 0 : agreed_frames_ + 1;
   }
-  camera_trust_.observe(p.camera_source, p.T_WC, before != nullptr && before->camera_confirmed);
+  const bool follows = before != nullptr && before->camera_confirmed;
+  camera_trust_.observe(p.camera_source, p.T_WC, follows);
+  // Of two motions the wrong one must not talk down the only witness against it.
+  if (!p.object_moves) {
+    rest_trust_.observe(p.camera_source, p.T_WC, follows && !before->object_moves);
+  }
   if (!p.object_confirmed || !object_seen_) return;
   const SE3 pose = kinematic_object_ ? p.T_CO.inverse() : p.T_WC * p.T_CO;
   object_trust_.observe(p.object_source, pose, before != nullptr && before->object_confirmed);
@@ -71,11 +78,8 @@ void PriorIntake::accept(const MotionPrior& prior, const LastMotion& last, PastF
     camera_prior = prior.T_CaCb;
     now.camera_source = {prior.T_CaCb, prior.camera_cov, true, false};
   }
-  // A start with labels swapped must not talk the only witness against it down.
-  const bool may_adapt = object_seen_ || mature();
-  now.camera = camera_filter_.accept(
-      camera_prior, may_adapt ? camera_trust_.adapted(prior.camera_cov) : prior.camera_cov,
-      last.camera);
+  const PriorTrust& trust = object_seen_ || mature() ? camera_trust_ : rest_trust_;
+  now.camera = camera_filter_.accept(camera_prior, trust.adapted(prior.camera_cov), last.camera);
   std::optional<SE3> object_prior;
   if (object_anchored_ && prior.object != PriorState::kMissing &&
       prior.object_kind != ObjectPriorKind::kNone) {

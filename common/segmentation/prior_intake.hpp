@@ -49,6 +49,11 @@ class PriorIntake {
   /// Prior by the estimates up to the last frame and the increment of `now`.
   JointPrior step(const PastFrame& ref, const PastFrame& last, const PastFrame& now) const;
 
+  /// The camera prior is a witness of which body is the world: it is given in `now` and, without an
+  /// object prior, kept its word while only the camera moved.
+  bool cameraTells(const PastFrame& now) const {
+    return now.camera.measured && (object_seen_ || rest_trust_.translationSquare() <= 1.0);
+  }
   /// There was an object prior that could be used.
   bool objectSeen() const { return object_seen_; }
   /// The object prior is T_CO by kinematics, independent of the camera's own motion.
@@ -66,6 +71,7 @@ class PriorIntake {
   ObjectUse object_use_;
   PriorFilter camera_filter_, object_filter_;
   PriorTrust camera_trust_, object_trust_;
+  PriorTrust rest_trust_;  ///< the camera's, by frames in which only one motion was seen
   bool object_seen_ = false;
   bool object_anchored_;  ///< the object prior is used; its world is the camera's
   bool kinematic_object_ = false;

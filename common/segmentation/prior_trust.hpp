@@ -37,7 +37,11 @@ struct PriorTrustParams {
 /// are twice as large as it says, so that an honest source keeps its own.
 class PriorTrust {
  public:
-  explicit PriorTrust(const PriorTrustParams& params) : params_(params) {}
+  /// What the mean starts from: the source's own word, counted as a full memory of innovations, or
+  /// nothing, where the first few have to answer, and half of their span is enough.
+  enum class Start { kWord, kNothing };
+  explicit PriorTrust(const PriorTrustParams& params, Start start = Start::kWord)
+      : params_(params), start_(start), weighed_(start == Start::kWord ? params.memory : 0) {}
 
   /// One frame whose pose was tracked. `prior`: the source's increment from the frame before, with
   /// its own covariance; `pose`: the tracked pose that the increments lead along (T_WC, T_WO, or
@@ -49,6 +53,8 @@ class PriorTrust {
 
   double translationFactor() const { return factor(square_m_); }
   double rotationFactor() const { return factor(square_rad_); }
+  /// Mean square of the translational innovations over the expected one.
+  double translationSquare() const { return square_m_; }
 
  private:
   struct Step {
@@ -60,7 +66,9 @@ class PriorTrust {
   void average(double innovation, double& square) const;
 
   PriorTrustParams params_;
+  Start start_;
   std::deque<Step> steps_;
+  double weighed_;  ///< innovations that the means stand for, at most the memory
   double square_m_ = 1, square_rad_ = 1;
 };
 

@@ -165,7 +165,10 @@ DecisionInput RigidFusionSegmenter::Impl::decisionInput(const PastFrame& ref, co
   input.step_prior = priors.step(ref, last, now);
   input.adjacency = &clusters.adjacency;
   input.camera_measured = now.camera.measured;
+  input.camera_tells = priors.cameraTells(now);
   input.body_seen = last.body_seen;
+  input.body_moved = last.object_moves;
+  input.turned_frames = last.turned_frames;
   const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
   const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
   input.continued.T_s = input.step_prior.T_s;
@@ -321,6 +324,7 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
   out.hypothesis = found.decision.name;
   out.object_moving = !found.fit.state.one_body;
   now.body_seen = found.decision.body_seen;
+  now.turned_frames = found.decision.turned_frames;
   settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
   takeMask(found.fit, ref, clusters, found.window_prior, now, out);

@@ -121,5 +121,29 @@ TEST(PriorIntake, MaturesAfterMovingFramesThatTheModelsConfirmed) {
   EXPECT_TRUE(s.intake.mature());
 }
 
+TEST(PriorIntake, ACameraPriorThatWasOffAtRestDoesNotTellWhichBodyIsTheWorld) {
+  for (const bool object_prior : {false, true}) {
+    SegmentationConfig config;
+    if (!object_prior) config.object_prior_use = "none";
+    PriorIntake intake(config);
+    std::deque<PastFrame> frames;
+    for (int n = 0; n < 14; ++n) {
+      PastFrame frame;
+      frame.utime = n * kFrame;
+      n == 0 ? intake.start(priorOf(n), frame) : intake.accept(priorOf(n), LastMotion{}, frame);
+      frame.T_WC = SE3();  // tracked: the camera rests
+      frame.camera_confirmed = true;
+      if (n == 1) {
+        EXPECT_TRUE(intake.cameraTells(frame));
+      }
+      frames.push_back(frame);
+      if (n > 0) intake.judge(frames[n], &frames[n - 1]);
+    }
+    EXPECT_EQ(intake.cameraTells(frames.back()), object_prior);
+    frames.back().camera.measured = false;
+    EXPECT_FALSE(intake.cameraTells(frames.back()));
+  }
+}
+
 }  // namespace
 }  // namespace rf

@@ -17,7 +17,9 @@ Mat6 stated() { return covarianceOf({kSigmaM, kSigmaRad}); }
 /// A camera that moves evenly, and a source of its motion.
 class Source {
  public:
-  explicit Source(const PriorTrustParams& params = {}) : trust(params) {}
+  explicit Source(const PriorTrustParams& params = {},
+                  PriorTrust::Start start = PriorTrust::Start::kWord)
+      : trust(params, start) {}
   void say(const SE3& increment, bool measured = true) {
     pose_ = pose_ * kStep;
     trust.observe({increment, stated(), measured, false}, pose_, follows_);
@@ -77,6 +79,17 @@ TEST(PriorTrust, TheFactorIsBounded) {
   Source source(params);
   for (int frame = 0; frame < 300; ++frame) source.say(SE3(Mat3::Identity(), Vec3(0, 1, 0)));
   EXPECT_DOUBLE_EQ(translationScale(source.trust), 50.0);
+}
+
+TEST(PriorTrust, WithoutItsWordTheFirstInnovationsAnswer) {
+  Source known;
+  Source unknown({}, PriorTrust::Start::kNothing);
+  for (int frame = 0; frame < 7; ++frame) {
+    known.say(SE3());
+    unknown.say(SE3());
+  }
+  EXPECT_EQ(translationScale(known.trust), 1.0);
+  EXPECT_NEAR(translationScale(unknown.trust), 25.0 / 3.0, 1.0);
 }
 
 TEST(PriorTrust, CanBeSwitchedOff) {

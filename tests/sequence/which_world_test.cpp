@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body that no object prior announced: mask and world are not swapped, whether the camera prior
+// can tell which of two motions is the world's or not.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/parallel.hpp"
+#include "priors/simulated_drift.hpp"
+#include "sequence_run.hpp"
+#include "simulated_cut.hpp"
+#include "simulation/simulator.hpp"
+
+namespace rf {
+namespace {
+
+constexpr int kFirst = 20;  // the objects start about frame 33
+constexpr int kFrames = 60;
+
+void expectRight(const SimulatedCut& cut, const SequenceRun& out) {
+  const TrajectoryScore camera = scoreCamera(out.camera, cut.camera, out.frames);
+  EXPECT_LT(100 * camera.ate_first.rmse, 3.0);
+  std::vector<PixelCounts> counts;
+  for (std::size_t k = 0; k < out.masks.size(); ++k) {
+    if (cut.speed[k] > 0.15) counts.push_back(countPixels(cut.truth[k], out.masks[k]));
+  }
+  ASSERT_GT(counts.size(), 15U);
+  EXPECT_GT(scoreSegmentation(counts, 0).iou, 0.8);
+}
+
+/// A cut of a scene without an object prior, and with camera priors of some drift, or none.
+class WhichWorld : public ::testing::Test {
+ protected:
+  void SetUp() override { setThreads(2); }
+  void TearDown() override { setThreads(1); }
+
+  void run(const std::string& scene, std::uint64_t seed,
+           const std::vector<std::optional<DriftSpec>>& camera_priors) {
+    const sim::Simulator simulator(scene, seed);
+    const SimulatedCut cut = renderCut(simulator, kFirst, kFrames, seed);
+    const PipelineConfig config;
+    for (const auto& drift : camera_priors) {
+      SCOPED_TRACE(drift ? "camera prior, m/s: " + std::to_string(drift->translation_mps)
+                         : "no camera prior");
+      PriorStage prior(config.prior);
+      if (drift) prior.addCameraPoses(withDrift(cut.camera, *drift));
+      expectRight(cut, runSequence(simulator.world().camera, config, prior, framesOf(cut)));
+    }
+  }
+};
+
+TEST_F(WhichWorld, IsTheLargerPartOfTheViewWhereNoPriorTells) {
+  run("sideway", 41, {std::nullopt, DriftSpec{0.34, 1.2, 41}});
+}
+
+TEST_F(WhichWorld, IsWhatATruePriorSays) { run("overtake", 1, {DriftSpec{}}); }
+
+}  // namespace
+}  // namespace rf
