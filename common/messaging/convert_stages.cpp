@@ -198,6 +198,8 @@ Result<rigidfusion::segmentation_t> toMessage(const SegmentationResult& s) {
   out.reduction = s.reduction;
   out.first = static_cast<std::int8_t>(s.first);
   out.object_moving = static_cast<std::int8_t>(s.object_moving);
+  out.turned = static_cast<std::int8_t>(s.turned);
+  out.world_told = static_cast<std::int8_t>(s.world_told);
   out.width = s.label.width();
   out.height = s.label.height();
   out.label_zlib = zipPlane(s.label);
@@ -229,6 +231,8 @@ Result<SegmentationResult> toValue(const rigidfusion::segmentation_t& m) {
   out.reduction = m.reduction;
   out.first = m.first != 0;
   out.object_moving = m.object_moving != 0;
+  out.turned = m.turned != 0;
+  out.world_told = m.world_told != 0;
   out.label = unzipPlane<std::uint8_t>(check, "label", m.label_zlib, m.width, m.height);
   out.score = unzipPlane<std::uint8_t>(check, "score", m.score_zlib, m.width, m.height);
   out.gamma = m.gamma;

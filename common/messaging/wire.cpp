@@ -229,7 +229,7 @@ std::string layoutProblem(ByteView body, const rigidfusion::planar_twist_t*) {
 
 std::string layoutProblem(ByteView body, const rigidfusion::segmentation_t*) {
   Cursor c(body);
-  c.skip(3 * 8 + 4 + 2 + 2 * 4);
+  c.skip(3 * 8 + 4 + 4 + 2 * 4);
   c.array(c.count32("label_size"), 1);
   c.array(c.count32("score_size"), 1);
   c.array(c.count32("n_clusters"), 4);

@@ -24,10 +24,6 @@ SE3 stepOf(const SegmentationResult& s, const FusionState& m) {
   return SE3::exp(m.velocity * m.secondsSince(s.utime_a)) * s.camera.T_AB;
 }
 
-double minInliers(const FusionState& m) {
-  return m.config.tracking.min_inliers * static_cast<double>(m.camera.width * m.camera.height);
-}
-
 // An object at rest is as good a landmark as the world, but it may start to move unnoticed: it only
 // helps where the world alone is too little.
 std::vector<TrackReference> referenceOf(const FusionState& m) {
@@ -46,7 +42,7 @@ std::vector<TrackReference> referenceOf(const FusionState& m) {
 TrackResult trackElsewhere(const FusionInput& f, const SegmentationResult& s, const SE3& start,
                            const std::vector<TrackReference>& reference, const FusionState& m) {
   const TrackingConfig& t = m.config.tracking;
-  const double least = minInliers(m);
+  const double least = m.minInliers();
   const double enough = kSureFactor * least;
   const Mat6 loose = startCovariance(Mat6::Zero(), t, kGapInflation);
   const WeightPyramid weights = weightPyramid(f.weights.world.own, t.levels);
@@ -93,9 +89,9 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
   const Mat6 start_cov = startCovariance(s.camera.covariance, t, gap ? kGapInflation : 1.0);
   const std::vector<TrackReference> reference = referenceOf(m);
   TrackResult r = alignToModel(reference, f.pyramid, weightPyramid(f.weights.world.own, t.levels),
-                               start, start_cov, minInliers(m), m.config);
+                               start, start_cov, m.minInliers(), m.config);
   noteLeap(s, r, m);
-  if (r.accepted && !believed(r, minInliers(m), m)) {
+  if (r.accepted && !believed(r, m.minInliers(), m)) {
     r.accepted = false;
     r.T_PC = start;
   }
@@ -116,7 +112,7 @@ bool trackCamera(const FusionInput& f, const SegmentationResult& s, FusionState&
     m.config.sensor.noise = m.noise.factor();
   }
   const bool jump = r.accepted && jumps(r.T_PC, steady, m.secondsSince(s.utime));
-  judgeCamera({r, s, step_cov, minInliers(m), gap, leap, jump}, m);
+  judgeCamera({r, s, step_cov, m.minInliers(), gap, leap, jump}, m);
   // A frame that segmentation could not read has no mask; a picture that shows nothing must not
   // repaint the map, nor may a wrong place become one. A pose that has nothing to be compared with
   // may be fused while it is trusted.

@@ -17,6 +17,7 @@
 #include "pipeline/map_update.hpp"
 #include "pipeline/object_following.hpp"
 #include "pipeline/pose_uncertainty.hpp"
+#include "pipeline/turned_reading.hpp"
 #include "values/stage_clock.hpp"
 
 namespace rf {
@@ -91,6 +92,7 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
   const FusionInput f = prepareFusionInput(frame, segmentation, impl_->undistorter, m.config);
   ++m.time;
   clock.lap("prep", times);
+  turnReading(f, segmentation, m);
   const SE3 before = m.camera_pose.T_W;
   MayFuse may;
   may.world = trackCamera(f, segmentation, m);

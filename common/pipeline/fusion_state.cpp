@@ -25,6 +25,10 @@ double FusionState::secondsSince(std::int64_t utime) const {
   return std::clamp(static_cast<double>(utime - last_utime) * 1e-6, 0.0, kMaxBridgeSeconds);
 }
 
+double FusionState::minInliers() const {
+  return config.tracking.min_inliers * static_cast<double>(camera.width * camera.height);
+}
+
 double FusionState::minObjectPixels() const {
   return config.tracking.min_object_pixels * static_cast<double>(camera.width * camera.height) /
          kReferencePixels;

@@ -32,8 +32,9 @@ struct FusionState {
 
   BodyModel world;
   BodyModel object;
-  SE3 T_WF;              ///< of the static map
-  SE3 T_WO, T_WO_birth;  ///< of the object now and where it was first seen to move
+  SE3 T_WF;                     ///< of the static map
+  SE3 T_WO, T_WO_birth;         ///< of the object now and where it was first seen to move
+  std::int32_t birth_time = 0;  ///< frame counter then
   ObjectLife life;
   bool object_found = false;      ///< its pose agreed with its model since it was last unseen
   int misfit_frames = 0;          ///< in view and moving, but unlike its model, since it was unseen
@@ -67,6 +68,8 @@ struct FusionState {
   }
   /// From the last frame to `utime`, at most as long as constant velocity is believed.
   double secondsSince(std::int64_t utime) const;
+  /// Least weighted inliers of a camera pose that is aligned to the static map.
+  double minInliers() const;
   /// Least visible stable object pixels for tracking it, at the maps' resolution.
   double minObjectPixels() const;
 };

@@ -34,6 +34,7 @@ void giveBirth(const SegmentationResult& s, FusionState& m) {
   m.object = BodyModel(m.config, m.camera);
   m.object.T_FC = s.has_T_CO ? s.T_CO.inverse() : SE3();
   m.T_WO_birth = m.camera_pose.T_W * m.object.T_FC.inverse();
+  m.birth_time = m.time;
   m.object_found = true;
   m.object_pose = {};
   m.object_pose.health = worse(s.object.health, m.camera_pose.health);

@@ -47,6 +47,18 @@ void SwappedReading::observe(const SegmentationResult& s, const ReadFrame& frame
   for (std::size_t i = 1; i < window_.size(); ++i) window_[i].in_doubt = false;
 }
 
+void SwappedReading::turn(const SE3& T_WW, const SE3& T_WO) {
+  SE3 at = T_WW;
+  for (auto step = window_.rbegin(); step != window_.rend(); ++step) {
+    const SE3 before = at * step->body.inverse();
+    step->T_WC = at * step->T_WC;
+    step->body = before * at.inverse();
+    at = before;
+  }
+  left_window_ = left_window_.inverse();
+  last_T_WO_ = T_WO;
+}
+
 bool SwappedReading::priorConfirms() const {
   const Step& a = window_.front();
   const Step& b = window_.back();

@@ -30,6 +30,11 @@ class SwappedReading {
  public:
   void observe(const SegmentationResult& segmentation, const ReadFrame& frame);
 
+  /// Our reading and the other one change places: the camera's poses become T_WW times what they
+  /// were, with the value that it had in each frame, given at the last one. `T_WO`: the object's
+  /// pose then.
+  void turn(const SE3& T_WW, const SE3& T_WO);
+
   /// The pose with the other reading's distance, d = log(T_W^-1 T_W'), in its covariance where that
   /// reading is possible: the largest |d|^2 of translation and of rotation in all directions alike,
   /// since a matrix of d d^T and a pose's own millimetres is too near to singular. Its health

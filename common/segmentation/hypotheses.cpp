@@ -297,11 +297,10 @@ std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
   return out;
 }
 
-/// Whether a reading takes the body of the frame before for the world and the world for it. A world
-/// that was the smaller part has no such claim.
-bool contradicts(const DecisionInput& input, const JointState& state) {
+/// Whether a reading takes the body of the frame before for the world and the world for it.
+bool exchanges(const DecisionInput& input, const JointState& state) {
   const std::vector<float>& before = input.warped.target;
-  if (state.one_body || !input.body_moved || staticShare(input.level, before) < 0.5) return false;
+  if (state.one_body || !input.body_moved) return false;
   double differ = 0;
   double pixels = 0;
   for (const std::uint8_t k : *input.level.label) {
@@ -310,6 +309,19 @@ bool contradicts(const DecisionInput& input, const JointState& state) {
     ++pixels;
   }
   return differ > 0.5 * pixels;
+}
+
+/// The same against a world that has a claim: it was the larger part.
+bool contradicts(const DecisionInput& input, const JointState& state) {
+  return exchanges(input, state) && staticShare(input.level, input.warped.target) >= 0.5;
+}
+
+/// How long the contrary of a reading has to win: where nothing tells, the whole time; else half as
+/// long as the reading lasted undisputed, so that a wrong start is soon mended and a slow moment
+/// turns nothing.
+int framesToTurn(const DecisionInput& input, const DecisionParams& decision) {
+  const int half = (input.moved_frames - input.turned_frames) / 2;
+  return untold(input) ? decision.turn_frames : std::min(decision.turn_frames, half);
 }
 
 /// The cheaper of the readings with one body: there can be two.
@@ -359,15 +371,17 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   Decision out;
   std::size_t best = lowest(candidates, weighed, input, decision, true);
   const bool turned_birth = candidates[best].turned && !input.body_moved;
-  const bool turns = untold(input) && contradicts(input, candidates[best].fit.state);
+  const bool turns =
+      input.window_prior.outlier_class && contradicts(input, candidates[best].fit.state);
   if (turned_birth || turns) out.turned_frames = input.turned_frames + 1;
-  if (turns && out.turned_frames < decision.turn_frames) {
+  if (turns && out.turned_frames < framesToTurn(input, decision)) {
     best = lowest(candidates, weighed, input, decision, false);
   }
   out.body_seen = best != one;
   // Blur reads a resting world once this way, once that; a body is read the same way twice.
   const bool twice = input.body_seen && (!turned_birth || out.turned_frames > 1);
   if (unannounced(input) && !twice) best = one;
+  out.turned = input.window_prior.outlier_class && exchanges(input, candidates[best].fit.state);
   out.name = candidates[best].name;
   out.continued = candidates[best].continued;
   out.fit = std::move(candidates[best].fit);

@@ -23,11 +23,12 @@ struct DecisionParams {
   double no_static_share = 0.03;
   double body_dominant_charge = 6;  ///< without an object prior: the camera prior must be this sure
                                     ///< that the dominant motion is not the world's (odds of 400)
-  double small_world_charge =
-      15;  ///< no prior that tells: times the log odds of a new body against
-           ///< its world, by pixels: at 60 % of the view again odds of 400
+  /// No prior that tells: times the log odds of a new body against its world, by pixels. At 60 % of
+  /// the view again odds of 400.
+  double small_world_charge = 15;
   /// How long a reading that takes the body of the frame before for the world has to win: the drift
   /// of odometry is alike for about a second (algorithm B.6), so fewer frames are one witness.
+  /// Where the camera prior tells, half as long as the world was undisputed, at most this.
   int turn_frames = 30;
   double weak_pull = 0.3;          ///< unary weight to 0.5 where labels are unknown
   double reference_pixels = 4800;  ///< the charges were found at 80x60
@@ -54,8 +55,8 @@ struct DecisionParams {
     v("small_world_charge", small_world_charge, 0.0, 1000.0, "nll",
       "no prior that tells: paid by a new body larger than its world, times the log odds of it");
     v("turn_frames", turn_frames, 1, 100, "frames",
-      "no prior that tells: for how long mask and world must be read the other way round to be "
-      "turned");
+      "no object prior: for how long mask and world must be read the other way round to be turned; "
+      "where the camera prior tells half as long as they were undisputed, at most this");
     v("weak_pull", weak_pull, 0.0, 10.0, "-", "pull of scores whose labels are unknown");
     v("reference_pixels", reference_pixels, 1.0, 1e7, "px",
       "pixels that the image energy counts for");
@@ -71,6 +72,7 @@ struct DecisionInput {
   ScorePrior warped;             ///< S_T
   bool body_seen = false;        ///< Decision::body_seen of the frame before
   bool body_moved = false;       ///< two bodies were read in the frame before
+  int moved_frames = 0;          ///< for so many frames, mask and world the same way round
   int turned_frames = 0;         ///< Decision::turned_frames of the frame before
   bool camera_measured = false;  ///< the camera prior comes from a source, not from its own past
   bool camera_tells = false;     ///< it is a witness of which body is the world
@@ -87,6 +89,7 @@ struct Decision {
   bool continued = false;  ///< the step prior (not the window's) belongs to it
   bool body_seen = false;  ///< two bodies won, though one may be taken until they win again
   int turned_frames = 0;   ///< how often in a row mask and world were read the other way round
+  bool turned = false;     ///< and now it is so: without an object prior, against the frame before
 };
 
 /// Competing readings of which motion is whose, each solved briefly at the coarse level; the lowest

@@ -23,6 +23,7 @@ struct PastFrame {
   bool anchored = false;          ///< the models confirmed all that there is
   bool object_moves = false;
   bool body_seen = false;   ///< Decision::body_seen
+  int moved_frames = 0;     ///< for so long two bodies were read the same way round
   int turned_frames = 0;    ///< Decision::turned_frames
   Increment camera_source;  ///< the prior as given; measured: false when it is missing
   Increment object_source;

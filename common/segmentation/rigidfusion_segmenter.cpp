@@ -73,6 +73,7 @@ struct RigidFusionSegmenter::Impl {
                      Solution& solution, StageTimes& times) const;
   void takeMotions(const JointFit& fit, const PastFrame& reference, PastFrame& now,
                    SegmentationResult& out) const;
+  void turnMotions(const JointState& state, const PastFrame& reference, PastFrame& now) const;
   void takeMask(const JointFit& fit, const PastFrame& reference, const Clusters& clusters,
                 const JointPrior& prior, PastFrame& now, SegmentationResult& out) const;
   void estimate(const PastFrame& reference, const Clusters& clusters, PastFrame& now,
@@ -168,6 +169,7 @@ DecisionInput RigidFusionSegmenter::Impl::decisionInput(const PastFrame& ref, co
   input.camera_tells = priors.cameraTells(now);
   input.body_seen = last.body_seen;
   input.body_moved = last.object_moves;
+  input.moved_frames = last.moved_frames;
   input.turned_frames = last.turned_frames;
   const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
   const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
@@ -241,6 +243,17 @@ void RigidFusionSegmenter::Impl::takeMotions(const JointFit& fit, const PastFram
   };
   judge(out.camera, now.camera.measured);
   judge(out.object, priors.objectSeen() && now.object.measured);
+}
+
+/// The poses after a turn. Since the reference the world has been what was called the body, and the
+/// other way round.
+void RigidFusionSegmenter::Impl::turnMotions(const JointState& state, const PastFrame& ref,
+                                             PastFrame& now) const {
+  const PastFrame& last = past.back();
+  const SE3 chain_s = ref.T_WC.inverse() * last.T_WC;
+  const SE3 chain_d = ref.T_CO * last.T_CO.inverse();
+  now.T_WC = last.T_WC * chain_d.inverse() * state.T_s;
+  now.T_CO = state.T_d.inverse() * chain_s * last.T_CO;
 }
 
 void RigidFusionSegmenter::Impl::takeMask(const JointFit& fit, const PastFrame& ref,
@@ -325,8 +338,12 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
   out.object_moving = !found.fit.state.one_body;
   now.body_seen = found.decision.body_seen;
   now.turned_frames = found.decision.turned_frames;
+  if (out.object_moving)
+    now.moved_frames = found.decision.turned ? 1 : past.back().moved_frames + 1;
   settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
+  out.turned = found.decision.turned && !found.fit.state.one_body;
+  if (out.turned) turnMotions(found.fit.state, ref, now);
   takeMask(found.fit, ref, clusters, found.window_prior, now, out);
   clock.lap("mask", out.stage_ms);
 }
@@ -386,9 +403,11 @@ SegmentationResult RigidFusionSegmenter::Impl::process(PreparedFrame frame,
   }
   out.has_prior_T_WC = prior.camera != PriorState::kMissing;
   if (out.has_prior_T_WC) out.prior_T_WC = prior.T_WCb;
+  out.world_told = priors.objectSeen() || priors.cameraTells(now);
   swap.observe(out);
   out.has_T_CO = priors.objectSeen();
   if (out.has_T_CO) out.T_CO = now.T_CO;
+  if (out.turned) past.clear();  // chains of the other reading lead nowhere
   now.mask_depth = {};
   past.push_back(std::move(now));
   while (past.size() > static_cast<std::size_t>(config.window_frames)) past.pop_front();

@@ -43,6 +43,10 @@ struct SegmentationResult {
   int reduction = 2;           ///< input pixels per working pixel, both directions
   bool first = false;          ///< first frame of a stream: motions are identity and mean nothing
   bool object_moving = false;  ///< two bodies were needed; else gamma is 1 everywhere
+  /// Mask and world were the wrong way round until frame A: what was the body is the world now, and
+  /// the motions are those of this reading. Only without an object prior.
+  bool turned = false;
+  bool world_told = true;  ///< the priors tell which of two bodies is the world
 
   Image<std::uint8_t> label;  ///< cluster of each working pixel, kNoCluster, kSelfLabel
   Image<std::uint8_t> score;  ///< 255 * gamma of each working pixel; 255 where it has no cluster

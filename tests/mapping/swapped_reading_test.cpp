@@ -34,6 +34,7 @@ struct Scene {
   double dynamic_share = 0.6;
   Prior prior = Prior::kNone;
   double drift = 0;
+  SE3 T_WC;
   int frame = 0;
 
   void see(const std::optional<SE3>& T_WO, bool moving = true, bool born = false) {
@@ -44,7 +45,7 @@ struct Scene {
     s.has_prior_T_WC = prior != Prior::kNone;
     s.has_T_CO = prior == Prior::kBoth;
     s.prior_T_WC = shifted(drift * frame);
-    reading.observe(s, {SE3(), T_WO, born || frame == 0});
+    reading.observe(s, {T_WC, T_WO, born || frame == 0});
     ++frame;
   }
   void move(int frames) {
@@ -138,6 +139,23 @@ TEST(SwappedReading, CountsMotionWhileTheCameraPriorIsSilent) {
   scene.prior = Prior::kNone;
   scene.move(20);
   EXPECT_NEAR(scene.variance(), 0.4 * 0.4, 1e-4);
+}
+
+TEST(SwappedReading, ATurnMakesTheOtherReadingOurs) {
+  Scene scene;
+  scene.prior = Prior::kCamera;
+  scene.drift = -kStep;  // it is the camera that moves
+  scene.move(9);
+  ASSERT_EQ(scene.health(), Health::kDegraded);
+  const SE3 T_WW = shifted(-kStep * (scene.frame - 1));
+  scene.reading.turn(T_WW, T_WW);
+  EXPECT_EQ(scene.reading.widened(tracked(T_WW)).health, Health::kDegraded) << "not a second yet";
+  for (int i = 0; i < 2; ++i) {
+    scene.T_WC = shifted(-kStep * scene.frame);
+    scene.see(scene.T_WC);
+  }
+  EXPECT_EQ(scene.reading.widened(tracked(scene.T_WC)).health, Health::kTracked)
+      << "all of the second fits, also before the turn";
 }
 
 }  // namespace

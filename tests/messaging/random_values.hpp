@@ -53,6 +53,8 @@ class RandomValues {
     s.reduction = static_cast<int>(integer(1, 4));
     s.first = coin();
     s.object_moving = coin();
+    s.turned = coin();
+    s.world_told = coin();
     const int clusters = static_cast<int>(integer(1, 24));
     for (int i = 0; i < clusters; ++i) s.gamma.push_back(static_cast<float>(real(0, 1)));
     const int w = static_cast<int>(integer(1, 90));

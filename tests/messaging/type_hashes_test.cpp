@@ -70,7 +70,7 @@ TEST(TypeHashes, OwnTypesArePinned) {
   EXPECT_EQ(hashOf<rigidfusion::motion_prior_t>(), 0xd5e1e8b6c8a13100ULL);
   EXPECT_EQ(hashOf<rigidfusion::planar_twist_t>(), 0x7d97fddb5d34fe7eULL);
   EXPECT_EQ(hashOf<rigidfusion::robot_shape_t>(), 0xfee48fa9a7d78558ULL);
-  EXPECT_EQ(hashOf<rigidfusion::segmentation_t>(), 0xc5d1f6f9402f023cULL);
+  EXPECT_EQ(hashOf<rigidfusion::segmentation_t>(), 0x78cf2c192c49f437ULL);
   EXPECT_EQ(hashOf<rigidfusion::service_status_t>(), 0x83b49aff55945822ULL);
   EXPECT_EQ(hashOf<rigidfusion::transform_t>(), 0x35e3f2dbeb74d3afULL);
 }

@@ -3,6 +3,8 @@
 // can tell which of two motions is the world's or not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +55,25 @@ class WhichWorld : public ::testing::Test {
 
 TEST_F(WhichWorld, IsTheLargerPartOfTheViewWhereNoPriorTells) {
   run("sideway", 41, {std::nullopt, DriftSpec{0.34, 1.2, 41}});
+}
+
+// It goes with the body by half a metre until mask and world are turned.
+TEST_F(WhichWorld, HasTheCameraBackWhereItWasReadWrong) {
+  const sim::Simulator simulator("overtake", 3);
+  const SimulatedCut cut = renderCut(simulator, 0, 70, 3);
+  const PipelineConfig config;
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(withDrift(cut.camera, {0.12, 0.8, 3}));
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
+  ASSERT_EQ(out.camera.size(), cut.camera.size());
+  const auto error = [&](std::size_t k) {
+    const SE3 offset = cut.camera[0].pose * out.camera[0].pose.inverse();
+    return (offset * out.camera[k].pose.t - cut.camera[k].pose.t).norm();
+  };
+  double largest = 0;
+  for (std::size_t k = 0; k < out.camera.size(); ++k) largest = std::max(largest, error(k));
+  EXPECT_GT(largest, 0.2) << "the case has something to mend";
+  EXPECT_LT(error(out.camera.size() - 1), 0.06);
 }
 
 TEST_F(WhichWorld, IsWhatATruePriorSays) { run("overtake", 1, {DriftSpec{}}); }
