@@ -16,6 +16,12 @@
 namespace rf {
 namespace {
 
+// What tells which body is the world does so soon after a birth (segmentation.decision.turn_frames
+// is a second). A reading that held for longer is not given up for one in which the mask went
+// wrong: where a body came to rest or filled the view, single frames of sideway 4 did, and the
+// camera would have gone by all that the body had moved.
+constexpr std::int32_t kLatest = 60;  // frames after the birth
+
 // Most of what both models show is labelled as the other body's. Where a reading lasted for a frame
 // or two alone, the models know better than the frame before.
 bool labelsContradictModels(const FusionInput& f, const FusionState& m) {
@@ -93,7 +99,7 @@ void joinWorld(SurfelMap room, FusionState& m) {
 
 void turnReading(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
   if (!s.turned || m.bridged(s) || m.life.phase == ObjectPhase::kNone) return;
-  if (!labelsContradictModels(f, m)) return;
+  if (m.time - m.birth_time > kLatest || !labelsContradictModels(f, m)) return;
   const SE3 T_WC = m.camera_pose.T_W;
   const SE3 T_FO = m.T_WF.inverse() * m.T_WO_birth;
   SurfelMap room = std::move(m.object.map);
