@@ -6,6 +6,13 @@
 
 namespace rf {
 
+Surfel moved(Surfel s, const SE3& T) {
+  const Eigen::Matrix3f R = T.R().cast<float>();
+  s.point = R * s.point + T.t.cast<float>();
+  s.normal = R * s.normal;
+  return s;
+}
+
 Surfel SurfelBlock::get(int slot) const {
   const auto i = static_cast<std::size_t>(slot);
   Surfel s;

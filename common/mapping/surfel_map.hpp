@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "geometry/se3.hpp"
+
 namespace rf {
 
 inline constexpr int kBlockSize = 256;
@@ -26,6 +28,9 @@ struct Surfel {
   std::int32_t born = 0;                             ///< frame counter at creation
   std::int32_t seen = 0;  ///< frame counter of the last measurement it took
 };
+
+/// The surfel in another frame: T maps its body's frame to that one.
+Surfel moved(Surfel s, const SE3& T);
 
 /// Up to kBlockSize surfels of one map cell, one array per attribute. Slots from `count` on have
 /// radius 0 and are never drawn.

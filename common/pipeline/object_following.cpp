@@ -174,17 +174,13 @@ void coast(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
 // Makes the object's stable surfels part of the static map.
 void joinWorld(FusionState& m) {
   const SE3 T_FO = m.T_WF.inverse() * m.T_WO;
-  const Eigen::Matrix3f R = T_FO.R().cast<float>();
-  const Eigen::Vector3f t = T_FO.t.cast<float>();
   for (int i = 0; i < m.object.map.blocks(); ++i) {
     const SurfelBlock& b = m.object.map.block(i);
     for (int slot = 0; slot < b.count; ++slot) {
       Surfel s = b.get(slot);
       if (s.logit < m.stable) continue;
-      s.point = R * s.point + t;
-      s.normal = R * s.normal;
       s.born = s.seen = m.time;
-      m.world.map.append(s);
+      m.world.map.append(moved(s, T_FO));
     }
   }
   dropObject(m);

@@ -44,16 +44,11 @@ bool labelsContradictModels(const FusionInput& f, const FusionState& m) {
 // Adds a map's surfels, moved by T, of which `wanted` is true.
 template <class Wanted>
 void add(const SurfelMap& from, const SE3& T, SurfelMap& to, Wanted wanted) {
-  const Eigen::Matrix3f R = T.R().cast<float>();
-  const Eigen::Vector3f t = T.t.cast<float>();
   for (int i = 0; i < from.blocks(); ++i) {
     const SurfelBlock& b = from.block(i);
     for (int slot = 0; slot < b.count; ++slot) {
-      Surfel s = b.get(slot);
-      if (!wanted(s)) continue;
-      s.point = R * s.point + t;
-      s.normal = R * s.normal;
-      to.append(s);
+      const Surfel s = b.get(slot);
+      if (wanted(s)) to.append(moved(s, T));
     }
   }
 }

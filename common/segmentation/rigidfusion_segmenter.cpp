@@ -342,7 +342,7 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
     now.moved_frames = found.decision.turned ? 1 : past.back().moved_frames + 1;
   settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
-  out.turned = found.decision.turned && !found.fit.state.one_body;
+  out.turned = found.decision.turned;
   if (out.turned) turnMotions(found.fit.state, ref, now);
   takeMask(found.fit, ref, clusters, found.window_prior, now, out);
   clock.lap("mask", out.stage_ms);

@@ -106,6 +106,14 @@ Shot shoot(const Scene& scene, const SE3& T_WC, const Camera& camera, const Shot
   return shot;
 }
 
+SE3 cameraAt(int k) {
+  const double s = 0.03 * k;
+  Vec6 xi;
+  xi << 0.3 * std::sin(s), 0.06 * std::sin(0.7 * s), -1.2, 0.03 * std::sin(s), 0.15 * std::sin(s),
+      0;
+  return SE3::exp(xi);
+}
+
 SegmentationResult truth(const Shot& shot, const Shot* previous, const SE3& camera_motion,
                          const SE3& object_motion, bool moving) {
   SegmentationResult s;

@@ -45,6 +45,9 @@ SceneBox movingBox(const SE3& T_WB, const Vec3& half);
 
 Camera testCamera(int width = 320, int height = 240);
 
+/// A camera that sways in front of the room's middle: its pose in frame k.
+SE3 cameraAt(int k);
+
 /// Smooth colour of a surface point, 0..1.
 double textureAt(const Vec3& p, double shift);
 

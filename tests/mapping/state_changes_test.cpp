@@ -14,18 +14,11 @@
 namespace rf {
 namespace {
 
+using test::cameraAt;
 using test::Scene;
 using test::Shot;
 
 const Vec3 kHalf(0.3, 0.4, 0.25);
-
-SE3 cameraAt(int k) {
-  const double s = 0.03 * k;
-  Vec6 xi;
-  xi << 0.3 * std::sin(s), 0.06 * std::sin(0.7 * s), -1.2, 0.03 * std::sin(s), 0.15 * std::sin(s),
-      0;
-  return SE3::exp(xi);
-}
 
 struct Script {
   int begin = 4;               // first frame in which the box has moved

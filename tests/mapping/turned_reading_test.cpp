@@ -13,20 +13,13 @@
 namespace rf {
 namespace {
 
+using test::cameraAt;
 using test::Scene;
 using test::Shot;
 
 constexpr int kBorn = 4;
 constexpr int kFrames = 24;
 const Vec3 kHalf(0.8, 0.7, 0.25);
-
-SE3 cameraAt(int k) {
-  const double s = 0.03 * k;
-  Vec6 xi;
-  xi << 0.3 * std::sin(s), 0.06 * std::sin(0.7 * s), -1.2, 0.03 * std::sin(s), 0.15 * std::sin(s),
-      0;
-  return SE3::exp(xi);
-}
 
 SE3 boxAt(int k) {
   const double s = 0.025 * std::max(0, k - (kBorn - 1));
