@@ -371,8 +371,7 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   Decision out;
   std::size_t best = lowest(candidates, weighed, input, decision, true);
   const bool turned_birth = candidates[best].turned && !input.body_moved;
-  const bool turns =
-      input.window_prior.outlier_class && contradicts(input, candidates[best].fit.state);
+  const bool turns = contradicts(input, candidates[best].fit.state);
   if (turned_birth || turns) out.turned_frames = input.turned_frames + 1;
   if (turns && out.turned_frames < framesToTurn(input, decision)) {
     best = lowest(candidates, weighed, input, decision, false);

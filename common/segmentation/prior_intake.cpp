@@ -45,7 +45,7 @@ PriorIntake::PriorIntake(const SegmentationConfig& config)
 
 void PriorIntake::judge(const PastFrame& p, const PastFrame* before) {
   if (p.camera_source.measured && p.object_confirmed && p.object_moves && !mature()) {
-    const bool contradicts = cameraTells(p) && camera_trust_.translationFactor() > 1.0;
+    const bool contradicts = rightAtRest() && camera_trust_.translationFactor() > 1.0;
     agreed_frames_ = contradicts ? 0 : agreed_frames_ + 1;
   }
   const bool follows = before != nullptr && before->camera_confirmed;

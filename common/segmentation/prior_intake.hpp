@@ -52,16 +52,19 @@ class PriorIntake {
   /// The camera prior is a witness of which body is the world: it is given in `now` and, without an
   /// object prior, kept its word while only the camera moved.
   bool cameraTells(const PastFrame& now) const {
-    return now.camera.measured && (object_seen_ || rest_trust_.translationSquare() <= 1.0);
+    return now.camera.measured && (object_seen_ || rightAtRest());
   }
   /// There was an object prior that could be used.
   bool objectSeen() const { return object_seen_; }
   /// The object prior is T_CO by kinematics, independent of the camera's own motion.
   bool kinematicObject() const { return kinematic_object_; }
-  /// Object and camera prior have agreed with the models for long enough to give these a vote.
+  /// Object and camera prior have agreed with the models for long enough to give these a vote; a
+  /// camera prior that was off at rest is not asked.
   bool mature() const { return agreed_frames_ >= config_.mature_frames; }
 
  private:
+  /// The camera prior kept its word while only the camera moved.
+  bool rightAtRest() const { return rest_trust_.translationSquare() <= 1.0; }
   enum class ObjectUse { kAll, kStart, kNone };
   static ObjectUse useOf(const SegmentationConfig& config);
   JointPrior make(const SE3& T_s, const Mat6& cov_s, const PastFrame& at,
@@ -75,7 +78,7 @@ class PriorIntake {
   bool object_seen_ = false;
   bool object_anchored_;  ///< the object prior is used; its world is the camera's
   bool kinematic_object_ = false;
-  int agreed_frames_ = 0;  ///< with two bodies, both confirmed, and the camera prior in agreement
+  int agreed_frames_ = 0;  ///< two bodies, both confirmed, and no contradiction by the camera prior
 };
 
 }  // namespace rf

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace rf {
@@ -143,6 +144,38 @@ TEST(PriorIntake, ACameraPriorThatWasOffAtRestDoesNotTellWhichBodyIsTheWorld) {
     frames.back().camera.measured = false;
     EXPECT_FALSE(intake.cameraTells(frames.back()));
   }
+}
+
+/// Frames of a tracked camera that follows `prior_until` frames of its prior and rests from then
+/// on; a body moves from frame 14 on.
+void judgeTracked(PriorIntake& intake, int prior_until, int count) {
+  std::deque<PastFrame> frames;
+  for (int n = 0; n < count; ++n) {
+    PastFrame frame;
+    frame.utime = n * kFrame;
+    n == 0 ? intake.start(priorOf(n), frame) : intake.accept(priorOf(n), LastMotion{}, frame);
+    frame.T_WC = priorOf(std::min(n, prior_until)).T_WCb;
+    frame.camera_confirmed = frame.object_confirmed = true;
+    frame.object_moves = n >= 14;
+    frames.push_back(frame);
+    if (n > 0) intake.judge(frames[n], &frames[n - 1]);
+  }
+}
+
+TEST(PriorIntake, ACameraPriorThatWasRightAtRestKeepsTheModelsFromTheirVote) {
+  SegmentationConfig config;
+  config.mature_frames = 20;
+  PriorIntake intake(config);
+  judgeTracked(intake, 14, 80);  // off from the body's start on: either of the two is wrong
+  EXPECT_FALSE(intake.mature());
+}
+
+TEST(PriorIntake, ACameraPriorThatWasOffAtRestDoesNotKeepTheModelsFromTheirVote) {
+  SegmentationConfig config;
+  config.mature_frames = 20;
+  PriorIntake intake(config);
+  judgeTracked(intake, 0, 34);
+  EXPECT_TRUE(intake.mature());
 }
 
 }  // namespace
