@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/parallel.hpp"
+#include "segmentation/border_sides.hpp"
 
 namespace rf {
 namespace {
@@ -289,7 +290,9 @@ std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
     if (state.one_body) continue;
     w.static_share = staticShare(input.level, state.gamma);
     if (unannounced(input) && untold(input)) {
-      w.total += decision.small_world_charge * smallWorld(w.static_share);
+      const BorderSides sides = borderSides(input.level.b->depth, *input.level.label, state.gamma);
+      w.total += decision.small_world_charge * smallWorld(w.static_share) +
+                 decision.body_behind_charge * bodyBehind(sides);
     }
     if (i > 0) w.total += decision.switch_charge * out[0].image;
     if (w.static_share < decision.no_static_share) w.total += decision.no_static_charge;

@@ -26,6 +26,9 @@ struct DecisionParams {
   /// No prior that tells: times the log odds of a new body against its world, by pixels. At 60 % of
   /// the view again odds of 400.
   double small_world_charge = 15;
+  /// No prior that tells: times the log odds of a new body that is the farther side of its border,
+  /// by pixels. From 45 to 90 all starts of `overtake` are read right, at 30 four of five.
+  double body_behind_charge = 60;
   /// How long a reading that takes the body of the frame before for the world has to win: the drift
   /// of odometry is alike for about a second (algorithm B.6), so fewer frames are one witness.
   /// Where the camera prior tells, half as long as the world was undisputed, at most this.
@@ -54,6 +57,8 @@ struct DecisionParams {
       "without an object prior: paid for reading the dominant motion as the body's");
     v("small_world_charge", small_world_charge, 0.0, 1000.0, "nll",
       "no prior that tells: paid by a new body larger than its world, times the log odds of it");
+    v("body_behind_charge", body_behind_charge, 0.0, 1000.0, "nll",
+      "no prior that tells: paid by a new body behind its world, times the log odds of it");
     v("turn_frames", turn_frames, 1, 100, "frames",
       "no object prior: for how long mask and world must be read the other way round to be turned; "
       "where the camera prior tells half as long as they were undisputed, at most this");

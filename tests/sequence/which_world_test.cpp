@@ -57,11 +57,15 @@ TEST_F(WhichWorld, IsTheLargerPartOfTheViewWhereNoPriorTells) {
   run("sideway", 41, {std::nullopt, DriftSpec{0.34, 1.2, 41}});
 }
 
+// Two fifths of the view, and the richer texture: the nearer side of its border.
+TEST_F(WhichWorld, IsBehindTheBodyWhereNoPriorTells) { run("overtake", 42, {std::nullopt}); }
+
 // It goes with the body by half a metre until mask and world are turned.
 TEST_F(WhichWorld, HasTheCameraBackWhereItWasReadWrong) {
   const sim::Simulator simulator("overtake", 3);
   const SimulatedCut cut = renderCut(simulator, 0, 70, 3);
-  const PipelineConfig config;
+  PipelineConfig config;
+  config.segmentation.decision.body_behind_charge = 0;  // else it is read right at once
   PriorStage prior(config.prior);
   prior.addCameraPoses(withDrift(cut.camera, {0.12, 0.8, 3}));
   const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
