@@ -53,7 +53,7 @@ def report(rows, out):
              "only, or not at all. Tolerated: median RPE below 5 cm/s in every scene, at this drift and all below.")
     uses = list(dict.fromkeys(r["object_prior"] for r in rows))
     if "at gate and start" not in uses:
-        out.text(f"rf-run does not know {START_ONLY}: gate and start only was not run.")
+        out.text(f"At gate and start only ({START_ONLY}): not run.")
     for use in uses:
         most = tolerated(rows, use)
         out.text(f"Object prior, {use}: " + ("no drift is tolerated" if most is None else f"{most} cm/s tolerated"))
