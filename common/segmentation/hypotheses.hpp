@@ -31,7 +31,7 @@ struct DecisionParams {
   double body_behind_charge = 60;
   /// How long a reading that takes the body of the frame before for the world has to win: the drift
   /// of odometry is alike for about a second (algorithm B.6), so fewer frames are one witness.
-  /// Where the camera prior tells, half as long as the world was undisputed, at most this.
+  /// Where a prior tells, half as long as the world was undisputed, at most this.
   int turn_frames = 30;
   double weak_pull = 0.3;          ///< unary weight to 0.5 where labels are unknown
   double reference_pixels = 4800;  ///< the charges were found at 80x60
@@ -60,8 +60,8 @@ struct DecisionParams {
     v("body_behind_charge", body_behind_charge, 0.0, 1000.0, "nll",
       "no prior that tells: paid by a new body behind its world, times the log odds of it");
     v("turn_frames", turn_frames, 1, 100, "frames",
-      "no object prior: for how long mask and world must be read the other way round to be turned; "
-      "where the camera prior tells half as long as they were undisputed, at most this");
+      "for how long mask and world must be read the other way round to be turned, where no prior "
+      "tells; where one does half as long as they were undisputed, at most this");
     v("weak_pull", weak_pull, 0.0, 10.0, "-", "pull of scores whose labels are unknown");
     v("reference_pixels", reference_pixels, 1.0, 1e7, "px",
       "pixels that the image energy counts for");
