@@ -44,15 +44,16 @@ struct FusionState {
   bool started = false;
   std::int32_t time = 0;  ///< frame counter, 1 at the first frame
   std::int64_t last_utime = 0;
-  std::optional<SE3> last_prior;  ///< the camera prior's pose at the last frame
-  int rejected_frames = 0;        ///< in a row, by the camera's tracking
-  int contradicted_frames = 0;    ///< of those: surface was in view and did not fit
-  UsualResidual usual_residual;   ///< that segmentation leaves of the static world
-  double usual_fit = 0;           ///< running mean of the whitened rms on the map
-  double usual_unlikeness = 0;    ///< and of 1 less the likeness of image and map
-  double usual_pairs = 0;         ///< running mean of the camera's support by the map, pixels
-  int drift_frames = 0;           ///< in a row, in which surface that came back told of drift
-  Vec6 velocity = Vec6::Zero();   ///< of the camera, per second
+  std::optional<SE3> last_prior;        ///< the camera prior's pose at the last frame
+  int rejected_frames = 0;              ///< in a row, by the camera's tracking
+  int contradicted_frames = 0;          ///< of those: surface was in view and did not fit
+  UsualResidual usual_residual;         ///< that segmentation leaves of the static world
+  double usual_fit = 0;                 ///< running mean of the whitened rms on the map
+  double usual_unlikeness = 0;          ///< and of 1 less the likeness of image and map
+  double usual_pairs = 0;               ///< running mean of the camera's support by the map, pixels
+  int drift_frames = 0;                 ///< in a row, in which surface that came back told of drift
+  Vec6 velocity = Vec6::Zero();         ///< of the camera, per second
+  Vec6 object_velocity = Vec6::Zero();  ///< of the moving object, in O, per second
   BodyPose camera_pose, object_pose;
   SwappedReading swapped;  ///< of both poses, where nothing says which body is the world
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/object_following.hpp"
 
+#include <cstdint>
 #include <vector>
 
 #include "mapping/body_model.hpp"
 #include "mapping/tracker.hpp"
+#include "pipeline/camera_health.hpp"
 #include "pipeline/wide_search.hpp"
 
 namespace rf {
@@ -51,6 +53,12 @@ void dropObject(FusionState& m) {
 // The camera in the last frame's, as a point of a resting object has it.
 SE3 restingStep(const FusionState& m) {
   return m.object.T_FC.inverse() * m.T_WO.inverse() * m.camera_pose.T_W;
+}
+
+// The same of an object that moves on as it did in the last frame that showed it on its model.
+SE3 steadyStep(double seconds, const FusionState& m) {
+  const SE3 back = SE3::exp(-seconds * m.object_velocity);
+  return m.object.T_FC.inverse() * back * m.object.T_FC * restingStep(m);
 }
 
 bool enoughInView(const FusionState& m) {
@@ -109,9 +117,31 @@ void trustUntracked(bool enough, FusionState& m) {
   m.object_found = true;
 }
 
+/// Of the object: its model is seen there all the same, or it is taken to move on as it did.
+enum class Leap : std::uint8_t { kNone, kSeen, kRefused };
+
+// For a step that no body makes, seen from a camera that knows where it is: the object is looked
+// for where it would be if it moved on, and where it rests. Where its model is not seen to leap it
+// stays in motion, and has to be found again.
+Leap mendLeap(const ObjectSearch& search, double seconds, FusionState& m, TrackResult& r) {
+  if (m.camera_pose.health != Health::kTracked) return Leap::kNone;
+  const SE3 steady = steadyStep(seconds, m);
+  if (!jumps(r.T_PC, steady, seconds)) return Leap::kNone;
+  if (enoughInView(m)) {
+    const TrackResult near = search.from({steady, restingStep(m)}, m);
+    if (near.accepted && (!r.accepted || near.inliers > r.inliers)) r = near;
+  }
+  if (r.accepted) return jumps(r.T_PC, steady, seconds) ? Leap::kSeen : Leap::kNone;
+  r.T_PC = steady;
+  m.object_found = false;
+  return Leap::kRefused;
+}
+
 // Refines the moving object's pose; whether the frame may be fused into its model.
 bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState& m) {
   const bool gap = m.bridged(s);
+  const SE3 T_WO = m.T_WO;
+  const double seconds = m.secondsSince(s.utime);
   const SE3 start = gap ? restingStep(m) : s.object.T_AB;
   ObjectSearch search{
       f, f.weights.object.own,
@@ -128,15 +158,19 @@ bool trackObject(const FusionInput& f, const SegmentationResult& s, FusionState&
     const TrackResult again = search.from({start}, m);
     if (again.accepted) r = again;
   }
-  setObject(r, gap ? search.start_cov : stepCovariance(s.object.covariance, m.config.tracking), m);
+  const Leap leap = mendLeap(search, seconds, m, r);
+  const bool wide = gap || leap == Leap::kRefused;
+  setObject(r, wide ? search.start_cov : stepCovariance(s.object.covariance, m.config.tracking), m);
   m.object_found = m.object_found || r.accepted;
   if (m.object_found) m.misfit_frames = 0;
   if (!m.object_found) trustUntracked(enough, m);
-  const bool sure = r.accepted && !gap && !m.blind;
+  const bool sure = r.accepted && !gap && !m.blind && leap == Leap::kNone;
+  if (sure && seconds > 0) m.object_velocity = (T_WO.inverse() * m.T_WO).log() / seconds;
   // A pose in the world is worth no more than the camera's.
   m.object_pose.health = worse(m.camera_pose.health,
                                sure ? Health::kTracked : worse(s.object.health, Health::kDegraded));
-  return m.object_found && !m.blind && (r.accepted || !enough || r.inlier_share == 0);
+  return m.object_found && !m.blind && leap == Leap::kNone &&
+         (r.accepted || !enough || r.inlier_share == 0);
 }
 
 // Depth that the static map does not explain: there the object may be, mask or not.
@@ -202,6 +236,7 @@ ObjectSigns signsOf(const SegmentationResult& s, const FusionState& m) {
 bool followObject(const FusionInput& f, const SegmentationResult& s, ObjectAction action,
                   FusionState& m) {
   if (action != ObjectAction::kRest) m.rest_utime = s.utime;
+  if (action != ObjectAction::kMove) m.object_velocity.setZero();
   switch (action) {
     case ObjectAction::kNothing:
       m.object_pose.health = Health::kLost;

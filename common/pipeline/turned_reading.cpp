@@ -120,6 +120,7 @@ void turnReading(const FusionInput& f, const SegmentationResult& s, FusionState&
   m.object_pose.T_W = m.T_WO;
   m.places = {{T_FO, m.config.object.onset_m, m.birth_time}};
   m.object_found = true;
+  m.object_velocity.setZero();
   m.misfit_frames = m.rejected_frames = m.contradicted_frames = m.drift_frames = 0;
   const double seconds = m.secondsSince(s.utime);
   if (seconds > 0) m.velocity = s.camera.T_AB.log() / seconds;

@@ -28,6 +28,7 @@ struct Script {
   SE3 drift;                   // of that prior, per frame
   bool born_small = false;     // the first mask holds the box's left end alone
   bool prior = true;           // else its motion is taken for the world's
+  int leaps_at = 1 << 20;      // frame in which segmentation finds it half a metre away
 };
 
 SE3 boxAt(const Script& script, int k) {
@@ -67,6 +68,8 @@ Outcome run(const Script& script, int frames, const FusionConfig& config = {}) {
         test::truth(shot, previous ? &*previous : nullptr, camera_step,
                     unseen ? box_step * script.drift : box_step, moves && !unseen);
     if (script.born_small && k == script.begin) keepLeft(s);
+    if (k == script.leaps_at)
+      s.object.T_AB = s.object.T_AB * SE3(Mat3::Identity(), Vec3(0.5, 0, 0));
     if (unseen) {
       s.object.T_AB = script.prior ? box_step * script.drift : camera_step;
       s.object.health = script.prior ? Health::kPriorOnly : Health::kLost;
@@ -150,6 +153,16 @@ TEST(StateChanges, WithoutAPriorAnUnseenBodyKeepsItsModelAndIsFoundWhereItIs) {
     EXPECT_EQ(s.object_surfels, before) << k << ": neither grown nor carved";
     EXPECT_EQ(s.object.health, Health::kTracked) << k;
     EXPECT_LT(positionError(r, script, k), 0.02) << k;
+  }
+}
+
+TEST(StateChanges, ABodyThatSegmentationMakesLeapStaysInMotion) {
+  Script script;
+  script.leaps_at = 10;
+  const Outcome r = run(script, 18);
+  for (int k = script.leaps_at; k < 18; ++k) {
+    EXPECT_LT(positionError(r, script, k), 0.02) << k;
+    EXPECT_EQ(r.states[static_cast<std::size_t>(k)].object.health, Health::kTracked) << k;
   }
 }
 
