@@ -43,6 +43,16 @@ PriorIntake::PriorIntake(const SegmentationConfig& config)
       rest_trust_(config.prior_trust, PriorTrust::Start::kNothing),
       object_anchored_(object_use_ != ObjectUse::kNone) {}
 
+bool PriorIntake::learnObjectStep(const PastFrame& before, PastFrame& now) const {
+  const bool confirmed = before.object_confirmed && now.object_confirmed;
+  if (!confirmed || now.object.measured || !object_seen_) return false;
+  const SE3 T_WO_before = before.T_WC * before.T_CO;
+  now.object.T = kinematic_object_ ? before.T_CO * now.T_CO.inverse()
+                                   : T_WO_before.inverse() * now.T_WC * now.T_CO;
+  now.object.covariance = covarianceOf({config_.estimate_spread_m, config_.estimate_spread_rad});
+  return true;
+}
+
 void PriorIntake::judge(const PastFrame& p, const PastFrame* before) {
   if (p.camera_source.measured && p.object_confirmed && p.object_moves && !mature()) {
     const bool contradicts = rightAtRest() && camera_trust_.translationFactor() > 1.0;

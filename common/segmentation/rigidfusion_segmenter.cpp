@@ -81,6 +81,9 @@ struct RigidFusionSegmenter::Impl {
   Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
   void coast(PastFrame& now, SegmentationResult& out) const;
   void finish(PastFrame& now, SegmentationResult& out);
+  std::optional<SE3>& objectStep() {
+    return priors.kinematicObject() ? last_motion.object_motion : last_motion.object;
+  }
 };
 
 bool RigidFusionSegmenter::Impl::onModel(const BodyPose& pose) const {
@@ -109,6 +112,8 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
       if (p.object_confirmed && priors.objectSeen()) {
         p.T_CO = p.T_WC.inverse() * feedback->object.T_W;
       }
+      const bool learned = i > 0 && priors.learnObjectStep(past[i - 1], p);
+      if (learned && i + 1 == past.size()) objectStep() = p.object.T;
       priors.judge(p, i > 0 ? &past[i - 1] : nullptr);
       if (feedback->object_exists && config.map.weight > 0) {
         map = MapView{camera.undistorted().reduced(feedback->reduction),
@@ -362,6 +367,10 @@ void RigidFusionSegmenter::Impl::finish(PastFrame& now, SegmentationResult& out)
     now.camera.T = out.camera.T_AB;
     now.camera.covariance = covarianceOf({config.estimate_spread_m, config.estimate_spread_rad});
   }
+  // Of an object that is not seen the motion over the window is what was expected. Taken for one
+  // step it would be expected again, and grow from frame to frame.
+  const bool expected = !now.object.measured && out.object.health != Health::kTracked;
+  if (expected && priors.objectSeen()) objectStep() = now.object.T;
 }
 
 SegmentationResult RigidFusionSegmenter::Impl::process(PreparedFrame frame,
