@@ -43,6 +43,13 @@ PriorIntake::PriorIntake(const SegmentationConfig& config)
       rest_trust_(config.prior_trust, PriorTrust::Start::kNothing),
       object_anchored_(object_use_ != ObjectUse::kNone) {}
 
+bool PriorIntake::learnCameraStep(const PastFrame& before, PastFrame& now) const {
+  if (!before.camera_confirmed || !now.camera_confirmed || now.camera.measured) return false;
+  now.camera.T = before.T_WC.inverse() * now.T_WC;
+  now.camera.covariance = covarianceOf({config_.estimate_spread_m, config_.estimate_spread_rad});
+  return true;
+}
+
 bool PriorIntake::learnObjectStep(const PastFrame& before, PastFrame& now) const {
   const bool confirmed = before.object_confirmed && now.object_confirmed;
   if (!confirmed || now.object.measured || !object_seen_) return false;

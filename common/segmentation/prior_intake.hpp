@@ -38,10 +38,10 @@ class PriorIntake {
   /// The camera's increment as if its source had said nothing: the last motion goes on.
   Increment unmeasured(const std::optional<SE3>& last_motion) const;
 
-  /// Where no source measured the object's step from `before` to `now`, its model has when both
-  /// poses are confirmed: that is what later windows lean on. An expectation taken for a step would
-  /// be expected again, over the whole window, and grow from frame to frame. Whether it was
-  /// learned.
+  /// Where no source measured a body's step from `before` to `now`, its model has when both poses
+  /// are confirmed: that is what later windows lean on. An expectation taken for a step would be
+  /// expected again, over the whole window, and grow from frame to frame. Whether it was learned.
+  bool learnCameraStep(const PastFrame& before, PastFrame& now) const;
   bool learnObjectStep(const PastFrame& before, PastFrame& now) const;
 
   /// What the sources said of a frame whose poses are now known. `before`: the frame before it, or

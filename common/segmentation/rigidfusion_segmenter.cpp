@@ -81,6 +81,7 @@ struct RigidFusionSegmenter::Impl {
   Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
   void coast(PastFrame& now, SegmentationResult& out) const;
   void finish(PastFrame& now, SegmentationResult& out);
+  void learnSteps(const PastFrame& before, PastFrame& now);
   std::optional<SE3>& objectStep() {
     return priors.kinematicObject() ? last_motion.object_motion : last_motion.object;
   }
@@ -112,8 +113,7 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
       if (p.object_confirmed && priors.objectSeen()) {
         p.T_CO = p.T_WC.inverse() * feedback->object.T_W;
       }
-      const bool learned = i > 0 && priors.learnObjectStep(past[i - 1], p);
-      if (learned && i + 1 == past.size()) objectStep() = p.object.T;
+      if (i > 0) learnSteps(past[i - 1], p);
       priors.judge(p, i > 0 ? &past[i - 1] : nullptr);
       if (feedback->object_exists && config.map.weight > 0) {
         map = MapView{camera.undistorted().reduced(feedback->reduction),
@@ -123,6 +123,12 @@ void RigidFusionSegmenter::Impl::applyFeedback(const ModelState* feedback) {
       }
     }
   }
+}
+
+void RigidFusionSegmenter::Impl::learnSteps(const PastFrame& before, PastFrame& now) {
+  const bool newest = &now == &past.back();
+  if (priors.learnCameraStep(before, now) && newest) last_motion.camera = now.camera.T;
+  if (priors.learnObjectStep(before, now) && newest) objectStep() = now.object.T;
 }
 
 const PastFrame* RigidFusionSegmenter::Impl::reference(const PastFrame& now) const {

@@ -117,6 +117,18 @@ TEST(PriorIntake, LearnsNoStepThatWasMeasuredOrIsNotConfirmed) {
   EXPECT_GT(apart(now.object.T, kObjectStep), 0.005);
 }
 
+TEST(PriorIntake, LearnsTheCamerasStepFromConfirmedPosesWhereNothingMeasuredIt) {
+  Stream s;
+  PastFrame now = s.frames[2];
+  now.T_WC = now.T_WC * shifted(0.01, 0, 0);
+  EXPECT_FALSE(s.intake.learnCameraStep(s.frames[1], now)) << "not confirmed";
+  s.frames[1].camera_confirmed = now.camera_confirmed = true;
+  EXPECT_FALSE(s.intake.learnCameraStep(s.frames[1], now)) << "measured";
+  now.camera.measured = false;
+  EXPECT_TRUE(s.intake.learnCameraStep(s.frames[1], now));
+  EXPECT_LT(apart(s.frames[1].T_WC * now.camera.T, now.T_WC), 1e-12);
+}
+
 TEST(PriorIntake, ChainsIncrementsOverTheWindow) {
   const Stream s;
   const JointPrior prior = s.intake.window(s.before(), s.frames[0], s.frames[2]);
