@@ -165,26 +165,24 @@ bool untold(const DecisionInput& input) {
 std::vector<Candidate> solveUnannounced(const Readings& readings, const DecisionInput& input) {
   const bool split = input.camera_measured;
   const bool both_ways = untold(input);
-  const std::size_t told = split ? 5 : 3;
-  std::vector<Candidate> out(told + (both_ways ? (split ? 3 : 2) : 0));
+  const std::size_t told = split ? 6 : 4;
+  std::vector<Candidate> out(told + (both_ways ? (split ? 2 : 1) : 0));
   JointFit dominant;
   const SE3& L = dominant.state.T_s;
   parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
                  [&] { dominant = readings.dominantMotion(); }});
-  parallelCalls({[&] { out[2] = readings.fromMotions("outliers", L, L); },
+  parallelCalls({[&] { out[2] = readings.oneBodyFrom(dominant); },
+                 [&] { out[3] = readings.fromMotions("outliers", L, L); },
                  [&] {
-                   if (split) out[3] = readings.splitByDominant(dominant, false);
+                   if (split) out[4] = readings.splitByDominant(dominant, false);
                  },
                  [&] {
-                   if (split) out[4] = readings.splitByDominant(dominant, true);
-                 },
-                 [&] {
-                   if (both_ways) out[told] = readings.oneBodyFrom(dominant);
+                   if (split) out[5] = readings.splitByDominant(dominant, true);
                  }});
   if (!both_ways) return out;
-  parallelCalls({[&] { out[told + 1] = readings.turned(out[2]); },
+  parallelCalls({[&] { out[told] = readings.turned(out[3]); },
                  [&] {
-                   if (split) out[told + 2] = readings.turned(out[3]);
+                   if (split) out[told + 1] = readings.turned(out[4]);
                  }});
   return out;
 }
@@ -314,9 +312,13 @@ bool exchanges(const DecisionInput& input, const JointState& state) {
   return differ > 0.5 * pixels;
 }
 
-/// The same against a world that has a claim: it was the larger part.
-bool contradicts(const DecisionInput& input, const JointState& state) {
-  return exchanges(input, state) && staticShare(input.level, input.warped.target) >= 0.5;
+/// The same against a world that has a claim. Where a prior tells, or the reading has lasted, every
+/// world has; else size decides, and only the larger part.
+bool contradicts(const DecisionInput& input, const JointState& state,
+                 const DecisionParams& decision) {
+  if (!exchanges(input, state)) return false;
+  const bool lasted = input.moved_frames - input.turned_frames >= decision.lasted_frames;
+  return !untold(input) || lasted || staticShare(input.level, input.warped.target) >= 0.5;
 }
 
 /// How long the contrary of a reading has to win: where nothing tells, the whole time; else half as
@@ -344,7 +346,9 @@ std::size_t lowest(const std::vector<Candidate>& candidates, const std::vector<W
   const std::size_t one = bestOneBody(candidates, weighed);
   const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
   std::size_t best = one;
-  double energy = weighed[one].total - decision.one_body_bonus;
+  const bool known = input.moved_frames >= decision.lasted_frames;
+  double energy =
+      weighed[one].total - (known ? decision.known_body_bonus : decision.one_body_bonus);
   for (std::size_t i = 0; i < weighed.size(); ++i) {
     const Weighed& w = weighed[i];
     const JointState& state = candidates[i].fit.state;
@@ -352,7 +356,7 @@ std::size_t lowest(const std::vector<Candidate>& candidates, const std::vector<W
     const bool earned = w.image <= most_image && w.static_share >= decision.no_static_share;
     if (unannounced(input) && !earned) continue;
     if (candidates[i].turned && !input.body_moved && w.static_share < 0.5) continue;
-    if (!turning && contradicts(input, state)) continue;
+    if (!turning && contradicts(input, state, decision)) continue;
     best = i;
     energy = w.total;
   }
@@ -374,7 +378,7 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   Decision out;
   std::size_t best = lowest(candidates, weighed, input, decision, true);
   const bool turned_birth = candidates[best].turned && !input.body_moved;
-  const bool turns = contradicts(input, candidates[best].fit.state);
+  const bool turns = contradicts(input, candidates[best].fit.state, decision);
   if (turned_birth || turns) out.turned_frames = input.turned_frames + 1;
   if (turns && out.turned_frames < framesToTurn(input, decision)) {
     best = lowest(candidates, weighed, input, decision, false);

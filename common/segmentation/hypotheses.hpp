@@ -15,7 +15,8 @@ struct DecisionParams {
   double dominant_prior = 0.05;  ///< weight left to the camera prior in that fit
   double switch_charge =
       0.02;  ///< share of h0's image energy that every other two-body reading pays
-  double one_body_bonus = 12;  ///< two bodies must explain this much more than one
+  double one_body_bonus = 12;   ///< two bodies must explain this much more than one
+  double known_body_bonus = 6;  ///< the same where the body's reading has lasted (lasted_frames)
   /// A body that nothing announced must explain the images better by this share: measured, true
   /// motion gains 15 to 65 % of one body's image energy, clusters that fit badly 3 to 12.
   double first_body_share = 0.1;
@@ -33,6 +34,9 @@ struct DecisionParams {
   /// of odometry is alike for about a second (algorithm B.6), so fewer frames are one witness.
   /// Where a prior tells, half as long as the world was undisputed, at most this.
   int turn_frames = 30;
+  /// A reading that held for so long outlives a rest: what starts next is the same body. Two
+  /// seconds, as fusion's (turned_reading.hpp).
+  int lasted_frames = 60;
   double weak_pull = 0.3;          ///< unary weight to 0.5 where labels are unknown
   double reference_pixels = 4800;  ///< the charges were found at 80x60
 
@@ -47,6 +51,8 @@ struct DecisionParams {
       "share of the image energy that a changed reading pays");
     v("one_body_bonus", one_body_bonus, 0.0, 1000.0, "nll",
       "what two bodies must explain beyond one");
+    v("known_body_bonus", known_body_bonus, 0.0, 1000.0, "nll",
+      "what two bodies must explain beyond one where the body's reading has lasted");
     v("first_body_share", first_body_share, 0.0, 1.0, "-",
       "share of one body's image energy that an unannounced body must save");
     v("no_static_charge", no_static_charge, 0.0, 1000.0, "nll",
@@ -62,6 +68,8 @@ struct DecisionParams {
     v("turn_frames", turn_frames, 1, 100, "frames",
       "for how long mask and world must be read the other way round to be turned, where no prior "
       "tells; where one does half as long as they were undisputed, at most this");
+    v("lasted_frames", lasted_frames, 1, 10000, "frames",
+      "from when on a rest does not end the reading of a body");
     v("weak_pull", weak_pull, 0.0, 10.0, "-", "pull of scores whose labels are unknown");
     v("reference_pixels", reference_pixels, 1.0, 1e7, "px",
       "pixels that the image energy counts for");

@@ -76,6 +76,7 @@ struct RigidFusionSegmenter::Impl {
   void turnMotions(const JointState& state, const PastFrame& reference, PastFrame& now) const;
   void takeMask(const JointFit& fit, const PastFrame& reference, const Clusters& clusters,
                 const JointPrior& prior, PastFrame& now, SegmentationResult& out) const;
+  int framesMoved(const PastFrame& last, const Decision& decision) const;
   void estimate(const PastFrame& reference, const Clusters& clusters, PastFrame& now,
                 SegmentationResult& out);
   Camera maskCamera() const { return camera.undistorted().reduced(config.reduction); }
@@ -161,6 +162,7 @@ void RigidFusionSegmenter::Impl::coast(PastFrame& now, SegmentationResult& out) 
   out.object.covariance = now.object.covariance;
   out.hypothesis = "no-image";
   now.memory = last.memory;
+  now.moved_frames = last.moved_frames;
 }
 
 JointLevel RigidFusionSegmenter::Impl::levelOf(const PastFrame& ref, const PastFrame& now,
@@ -337,6 +339,13 @@ void RigidFusionSegmenter::Impl::distrustPrior(const PastFrame& ref, const Clust
   }
 }
 
+/// A rest ends a reading, but not one that has lasted: the next start is of the same body.
+int RigidFusionSegmenter::Impl::framesMoved(const PastFrame& last, const Decision& decision) const {
+  if (decision.turned) return 1;
+  if (!decision.fit.state.one_body) return last.moved_frames + 1;
+  return last.moved_frames >= config.decision.lasted_frames ? last.moved_frames : 0;
+}
+
 void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& clusters,
                                           PastFrame& now, SegmentationResult& out) {
   Solution found = solve(ref, now, clusters, decisionInput(ref, now, clusters), out.stage_ms);
@@ -349,8 +358,7 @@ void RigidFusionSegmenter::Impl::estimate(const PastFrame& ref, const Clusters& 
   out.object_moving = !found.fit.state.one_body;
   now.body_seen = found.decision.body_seen;
   now.turned_frames = found.decision.turned_frames;
-  if (out.object_moving)
-    now.moved_frames = found.decision.turned ? 1 : past.back().moved_frames + 1;
+  now.moved_frames = framesMoved(past.back(), found.decision);
   settling.note(out.object_moving);
   takeMotions(found.fit, ref, now, out);
   out.turned = found.decision.turned;

@@ -38,5 +38,30 @@ TEST(Onset, TheCameraStaysWithTheWorld) {
   EXPECT_GT(scoreSegmentation(counts, 0).iou, 0.9);
 }
 
+// After a rest, a body that has lasted takes less to be found than one that was never seen (eleven
+// frames here).
+TEST(Onset, ABodyThatIsKnownIsFoundSooner) {
+  constexpr int kMoving = 165;  // it rests from frame 194 to 242
+  constexpr std::size_t kRestarts = 242 - kMoving;
+  constexpr std::uint64_t kRested = 62;
+  const sim::Simulator simulator("orbit", kRested);
+  const SimulatedCut cut = renderCut(simulator, kMoving, 90, kRested);
+  setThreads(2);
+  PipelineConfig config;
+  config.segmentation.decision.lasted_frames = 15;  // as long as the cut lets it move
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(cut.camera_prior);
+  prior.addObjectPoses(cut.object_prior);
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
+  setThreads(1);
+  ASSERT_EQ(out.masks.size(), cut.frames.size());
+  std::size_t found = kRestarts;
+  while (found < out.masks.size() &&
+         scoreSegmentation({countPixels(cut.truth[found], out.masks[found])}, 0).iou < 0.8) {
+    ++found;
+  }
+  EXPECT_LE(found - kRestarts, 5U);
+}
+
 }  // namespace
 }  // namespace rf

@@ -80,6 +80,40 @@ TEST_F(WhichWorld, HasTheCameraBackWhereItWasReadWrong) {
   EXPECT_LT(error(out.camera.size() - 1), 0.06);
 }
 
+/// The camera poses of a cut, but from frame `first` on, for `count` frames, odometry goes as if
+/// the body were the world.
+Trajectory goingWithTheBody(const SimulatedCut& cut, std::size_t first, std::size_t count) {
+  Trajectory out = cut.camera;
+  for (std::size_t k = 1; k < out.size(); ++k) {
+    const auto relative = [&](std::size_t i) {
+      return cut.camera[i].pose.inverse() * cut.object[i].pose;  // T_CO
+    };
+    const bool lies = k >= first && k < first + count;
+    const SE3 step = lies ? relative(k - 1) * relative(k).inverse()
+                          : cut.camera[k - 1].pose.inverse() * cut.camera[k].pose;
+    out[k].pose = out[k - 1].pose * step;
+  }
+  return out;
+}
+
+// Three fifths of the view are the body's when odometry goes with it for three frames: whatever its
+// share, a world is not given up for a moment.
+TEST_F(WhichWorld, IsNotTurnedByAMoment) {
+  constexpr int kStart = 240;  // the object starts about frame 247 and is found nine later
+  constexpr std::size_t kFound = 16, kLie = 30;
+  const sim::Simulator simulator("overtake", 61);
+  const SimulatedCut cut = renderCut(simulator, kStart, 40, 61);
+  const PipelineConfig config;
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(goingWithTheBody(cut, kLie, 3));
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
+  ASSERT_EQ(out.masks.size(), cut.truth.size());
+  for (std::size_t k = kFound; k < out.masks.size(); ++k) {
+    SCOPED_TRACE("frame " + std::to_string(k));
+    EXPECT_GT(scoreSegmentation({countPixels(cut.truth[k], out.masks[k])}, 0).iou, 0.9);
+  }
+}
+
 TEST_F(WhichWorld, IsWhatATruePriorSays) { run("overtake", 1, {DriftSpec{}}); }
 
 }  // namespace
