@@ -42,10 +42,12 @@ class Readings {
     return {"one-body", solve(start, in_.window_prior, in_.warped), false};
   }
 
-  /// One body too, found from where all pixels together lead: a prior that is off by more than a
+  /// One body too, begun from a motion that was found: a prior that is off by more than a
   /// short solve can make good must not make one body look bad.
-  Candidate oneBodyFrom(const JointFit& dominant) const {
-    return {"one-body", solve(dominant.state, in_.window_prior, in_.warped), false};
+  Candidate oneBodyFrom(const JointFit& found) const {
+    JointState start = found.state;
+    start.one_body = true;
+    return {"one-body", solve(start, in_.window_prior, in_.warped), false};
   }
 
   /// All pixels as one body, the camera prior almost ignored.
@@ -165,24 +167,25 @@ bool untold(const DecisionInput& input) {
 std::vector<Candidate> solveUnannounced(const Readings& readings, const DecisionInput& input) {
   const bool split = input.camera_measured;
   const bool both_ways = untold(input);
-  const std::size_t told = split ? 6 : 4;
+  const std::size_t told = split ? 7 : 5;
   std::vector<Candidate> out(told + (both_ways ? (split ? 2 : 1) : 0));
   JointFit dominant;
   const SE3& L = dominant.state.T_s;
   parallelCalls({[&] { out[0] = readings.continued(); }, [&] { out[1] = readings.oneBody(); },
                  [&] { dominant = readings.dominantMotion(); }});
   parallelCalls({[&] { out[2] = readings.oneBodyFrom(dominant); },
-                 [&] { out[3] = readings.fromMotions("outliers", L, L); },
+                 [&] { out[3] = readings.oneBodyFrom(out[0].fit); },
+                 [&] { out[4] = readings.fromMotions("outliers", L, L); },
                  [&] {
-                   if (split) out[4] = readings.splitByDominant(dominant, false);
+                   if (split) out[5] = readings.splitByDominant(dominant, false);
                  },
                  [&] {
-                   if (split) out[5] = readings.splitByDominant(dominant, true);
+                   if (split) out[6] = readings.splitByDominant(dominant, true);
                  }});
   if (!both_ways) return out;
-  parallelCalls({[&] { out[told] = readings.turned(out[3]); },
+  parallelCalls({[&] { out[told] = readings.turned(out[4]); },
                  [&] {
-                   if (split) out[told + 1] = readings.turned(out[4]);
+                   if (split) out[told + 1] = readings.turned(out[5]);
                  }});
   return out;
 }
