@@ -315,13 +315,12 @@ bool exchanges(const DecisionInput& input, const JointState& state) {
   return differ > 0.5 * pixels;
 }
 
-/// The same against a world that has a claim. Where a prior tells, or the reading has lasted, every
-/// world has; else size decides, and only the larger part.
+/// The same against a world that has a claim: it was the larger part, or it has lasted.
 bool contradicts(const DecisionInput& input, const JointState& state,
                  const DecisionParams& decision) {
   if (!exchanges(input, state)) return false;
-  const bool lasted = input.moved_frames - input.turned_frames >= decision.lasted_frames;
-  return !untold(input) || lasted || staticShare(input.level, input.warped.target) >= 0.5;
+  return input.moved_frames - input.turned_frames >= decision.lasted_frames ||
+         staticShare(input.level, input.warped.target) >= 0.5;
 }
 
 /// How long the contrary of a reading has to win: where nothing tells, the whole time; else half as

@@ -97,13 +97,14 @@ Trajectory goingWithTheBody(const SimulatedCut& cut, std::size_t first, std::siz
 }
 
 // Three fifths of the view are the body's when odometry goes with it for three frames: whatever its
-// share, a world is not given up for a moment.
+// share, a world that has lasted is not given up for a moment.
 TEST_F(WhichWorld, IsNotTurnedByAMoment) {
   constexpr int kStart = 240;  // the object starts about frame 247 and is found nine later
   constexpr std::size_t kFound = 16, kLie = 30;
   const sim::Simulator simulator("overtake", 61);
   const SimulatedCut cut = renderCut(simulator, kStart, 40, 61);
-  const PipelineConfig config;
+  PipelineConfig config;
+  config.segmentation.decision.lasted_frames = 8;  // as long as the cut lets it move
   PriorStage prior(config.prior);
   prior.addCameraPoses(goingWithTheBody(cut, kLie, 3));
   const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
