@@ -15,16 +15,22 @@ constexpr int kFirst = 20;  // the object starts at frame 30 and has moved 1 cm 
 constexpr int kFrames = 40;
 constexpr std::uint64_t kSeed = 2;
 
-TEST(Onset, TheCameraStaysWithTheWorld) {
-  const sim::Simulator simulator("orbit", kSeed);
-  const SimulatedCut cut = renderCut(simulator, kFirst, kFrames, kSeed);
-  setThreads(2);
-  const PipelineConfig config;
+/// With both priors, and two threads.
+SequenceRun run(const sim::Simulator& simulator, const SimulatedCut& cut,
+                const PipelineConfig& config) {
   PriorStage prior(config.prior);
   prior.addCameraPoses(cut.camera_prior);
   prior.addObjectPoses(cut.object_prior);
-  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
+  setThreads(2);
+  SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
   setThreads(1);
+  return out;
+}
+
+TEST(Onset, TheCameraStaysWithTheWorld) {
+  const sim::Simulator simulator("orbit", kSeed);
+  const SimulatedCut cut = renderCut(simulator, kFirst, kFrames, kSeed);
+  const SequenceRun out = run(simulator, cut, {});
   ASSERT_EQ(out.camera.size(), cut.frames.size());
   const TrajectoryScore camera = scoreCamera(out.camera, cut.camera, out.frames);
   EXPECT_LT(camera.ate_first.max, 0.015) << "dragged: 0.03 and more";
@@ -46,14 +52,9 @@ TEST(Onset, ABodyThatIsKnownIsFoundSooner) {
   constexpr std::uint64_t kRested = 62;
   const sim::Simulator simulator("orbit", kRested);
   const SimulatedCut cut = renderCut(simulator, kMoving, 90, kRested);
-  setThreads(2);
   PipelineConfig config;
   config.segmentation.decision.lasted_frames = 15;  // as long as the cut lets it move
-  PriorStage prior(config.prior);
-  prior.addCameraPoses(cut.camera_prior);
-  prior.addObjectPoses(cut.object_prior);
-  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
-  setThreads(1);
+  const SequenceRun out = run(simulator, cut, config);
   ASSERT_EQ(out.masks.size(), cut.frames.size());
   std::size_t found = kRestarts;
   while (found < out.masks.size() &&
