@@ -301,24 +301,38 @@ std::vector<Weighed> weigh(const std::vector<Candidate>& candidates,
   return out;
 }
 
-/// Whether a reading takes the body of the frame before for the world and the world for it.
-bool exchanges(const DecisionInput& input, const JointState& state) {
+/// A reading that a rest does not end.
+bool lasted(const DecisionInput& input, const DecisionParams& decision) {
+  return input.moved_frames >= decision.lasted_frames;
+}
+
+/// Whether a reading takes the body for the world and the world for it: that of the frame before,
+/// or one that has lasted and rests, of which more than half of either must have changed. Less is
+/// no exchange there: a new start is seen by a few clusters first.
+bool exchanges(const DecisionInput& input, const JointState& state,
+               const DecisionParams& decision) {
+  if (state.one_body || !(input.body_moved || lasted(input, decision))) return false;
   const std::vector<float>& before = input.warped.target;
-  if (state.one_body || !input.body_moved) return false;
-  double differ = 0;
   double pixels = 0;
+  double body = 0;
+  double body_as_world = 0;
+  double world_as_body = 0;
   for (const std::uint8_t k : *input.level.label) {
     if (k >= state.gamma.size()) continue;
-    differ += std::abs(static_cast<double>(state.gamma[k] - before[k]));
+    const double change = static_cast<double>(state.gamma[k] - before[k]);
+    body += static_cast<double>(before[k]);
+    body_as_world += std::max(-change, 0.0);
+    world_as_body += std::max(change, 0.0);
     ++pixels;
   }
-  return differ > 0.5 * pixels;
+  if (input.body_moved) return body_as_world + world_as_body > 0.5 * pixels;
+  return body_as_world > 0.5 * body && world_as_body > 0.5 * (pixels - body);
 }
 
 /// The same against a world that has a claim: it was the larger part, or it has lasted.
 bool contradicts(const DecisionInput& input, const JointState& state,
                  const DecisionParams& decision) {
-  if (!exchanges(input, state)) return false;
+  if (!exchanges(input, state, decision)) return false;
   return input.moved_frames - input.turned_frames >= decision.lasted_frames ||
          staticShare(input.level, input.warped.target) >= 0.5;
 }
@@ -348,7 +362,7 @@ std::size_t lowest(const std::vector<Candidate>& candidates, const std::vector<W
   const std::size_t one = bestOneBody(candidates, weighed);
   const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
   std::size_t best = one;
-  const bool known = input.moved_frames >= decision.lasted_frames;
+  const bool known = lasted(input, decision);
   double energy =
       weighed[one].total - (known ? decision.known_body_bonus : decision.one_body_bonus);
   for (std::size_t i = 0; i < weighed.size(); ++i) {
@@ -389,7 +403,8 @@ Decision decide(const DecisionInput& input, const JointParams& params,
   // Blur reads a resting world once this way, once that; a body is read the same way twice.
   const bool twice = input.body_seen && (!turned_birth || out.turned_frames > 1);
   if (unannounced(input) && !twice) best = one;
-  out.turned = input.window_prior.outlier_class && exchanges(input, candidates[best].fit.state);
+  out.turned =
+      input.window_prior.outlier_class && exchanges(input, candidates[best].fit.state, decision);
   out.name = candidates[best].name;
   out.continued = candidates[best].continued;
   out.fit = std::move(candidates[best].fit);

@@ -115,6 +115,29 @@ TEST_F(WhichWorld, IsNotTurnedByAMoment) {
   }
 }
 
+// A pause ends no reading that has lasted. At the next start both priors lie: the object's says
+// that it rests on, odometry goes with it for four frames.
+TEST_F(WhichWorld, IsNotTurnedByAPause) {
+  constexpr int kStart = 180;  // the object rests from about frame 197 to 241
+  constexpr std::size_t kRests = 20, kLie = 68, kFound = 74;
+  const sim::Simulator simulator("sideway", 2);  // half of the view is the body's
+  const SimulatedCut cut = renderCut(simulator, kStart, 84, 2);
+  PipelineConfig config;
+  config.segmentation.decision.lasted_frames = 6;  // as long as the cut lets it move
+  PriorStage prior(config.prior);
+  prior.addCameraPoses(goingWithTheBody(cut, kLie, 4));
+  Trajectory frozen = cut.object_prior;
+  for (std::size_t k = kRests; k < frozen.size(); ++k) frozen[k].pose = frozen[kRests].pose;
+  prior.addObjectPoses(frozen);
+  const SequenceRun out = runSequence(simulator.world().camera, config, prior, framesOf(cut));
+  ASSERT_EQ(out.masks.size(), cut.truth.size());
+  for (std::size_t k = kFound; k < out.masks.size(); ++k) {
+    SCOPED_TRACE("frame " + std::to_string(k));
+    EXPECT_GT(scoreSegmentation({countPixels(cut.truth[k], out.masks[k])}, 0).iou, 0.9);
+  }
+  EXPECT_LT(100 * scoreCamera(out.camera, cut.camera, out.frames).ate_first.rmse, 2.0);
+}
+
 TEST_F(WhichWorld, IsWhatATruePriorSays) { run("overtake", 1, {DriftSpec{}}); }
 
 }  // namespace
