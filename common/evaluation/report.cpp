@@ -97,6 +97,12 @@ std::string jsonSelf(const std::optional<PixelCounts>& s) {
                      s->self_wrong);
 }
 
+std::string json(const std::optional<MapOnMoving>& s) {
+  if (!s) return "null";
+  return fmt::format(R"({{"frames": {}, "surfels": {}, "on_moving": {}, "share": {:.6f}}})",
+                     s->frames, s->surfels, s->on_moving, s->share());
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -144,6 +150,12 @@ std::string toText(const EvaluationReport& r) {
                         "rmse cm", "< 2cm %", "compl. %");
     text += row("static", r.static_model) + row("object", r.object_model);
   }
+  if (r.static_on_moving) {
+    const MapOnMoving& s = *r.static_on_moving;
+    text +=
+        fmt::format("\nstatic model on dynamic pixels of {} frames: {} of {} surfels, {:.1f} %\n",
+                    s.frames, s.on_moving, s.surfels, 100.0 * s.share());
+  }
   for (const std::string& note : r.notes) text += "note: " + note + "\n";
   return text;
 }
@@ -161,7 +173,8 @@ std::string toJson(const EvaluationReport& r) {
          entry("speed_threshold_m_per_s", fmt::format("{}", r.speed_threshold)) +
          entry("segmentation_fast", json(r.fast)) + entry("segmentation_moving", json(r.moving)) +
          entry("self_filter", jsonSelf(r.self)) + entry("static_model", json(r.static_model)) +
-         entry("object_model", json(r.object_model)) + "  \"notes\": [" + notes + "]\n}\n";
+         entry("object_model", json(r.object_model)) +
+         entry("static_on_moving", json(r.static_on_moving)) + "  \"notes\": [" + notes + "]\n}\n";
 }
 
 }  // namespace rf

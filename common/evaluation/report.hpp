@@ -7,6 +7,7 @@
 
 #include "evaluation/consistency.hpp"
 #include "evaluation/model_error.hpp"
+#include "evaluation/moving_pixels.hpp"
 #include "evaluation/per_frame.hpp"
 #include "evaluation/segmentation_score.hpp"
 #include "evaluation/trajectory_error.hpp"
@@ -28,6 +29,7 @@ struct EvaluationReport {
   std::optional<PixelCounts> self;          ///< of all frames, when truth knows the robot's pixels
   std::optional<ModelScore> static_model;
   std::optional<ModelScore> object_model;
+  std::optional<MapOnMoving> static_on_moving;  ///< where there is no true surface
   std::vector<std::string> notes;
   std::vector<FrameScore> each_frame;  ///< when asked for; not part of the texts below
 };

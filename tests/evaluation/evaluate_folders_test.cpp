@@ -8,9 +8,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include "../datasets/temp_folder.hpp"
+#include "datasets/calibration.hpp"
 #include "datasets/covariance_table.hpp"
 #include "datasets/error.hpp"
 #include "datasets/image_files.hpp"
+#include "datasets/ply.hpp"
 #include "datasets/text.hpp"
 #include "datasets/trajectory.hpp"
 
@@ -115,6 +117,36 @@ TEST(EvaluateFolders, PriorsOfTheResultAndOptionsGoFirst) {
   EXPECT_LT(evaluateFolders(sequence.request).camera_prior->ate_first.rmse, 1e-9);
   sequence.request.camera_prior = "none";
   EXPECT_FALSE(evaluateFolders(sequence.request).camera_prior);
+}
+
+TEST(EvaluateFolders, CountsTheMapOnWhatMovesWhereThereIsNoTrueSurface) {
+  const TempFolder folder;
+  const Sequence sequence(folder);
+  // Seen from x = 0.31 s in frame k: the masks' left half moves, at 2 m where there is depth.
+  writePly(folder / "res/static.ply", {{-0.5F, 0, 2.0F}, {0.5F, 0, 2.0F}, {-0.5F, 0, 2.5F}});
+  EXPECT_FALSE(evaluateFolders(sequence.request).static_on_moving) << "no camera.yaml";
+  const Calibration calibration{{16, 16, 16, 16, 8, 8, {}}, 5000};
+  writeCalibration(folder / "seq/camera.yaml", calibration);
+  std::filesystem::create_directories(folder / "seq/depth");
+  std::filesystem::remove_all(folder / "seq/mask");
+  std::filesystem::create_directories(folder / "seq/mask");
+  Image<std::uint8_t> mask(16, 16, 1);
+  for (int v = 0; v < 16; ++v) {
+    for (int u = 0; u < 8; ++u) mask(u, v) = 2;
+  }
+  const std::string name = formatTimestamp(0) + ".png";
+  writeGreyImage(folder / ("seq/mask/" + name), mask);
+  EXPECT_NE(messageOf<DatasetError>([&] { evaluateFolders(sequence.request); }).find(name),
+            std::string::npos)
+      << "a depth image that is not there";
+  writeDepthImage(folder / ("seq/depth/" + name), Image<std::uint16_t>(16, 16, 10000));
+  const EvaluationReport r = evaluateFolders(sequence.request);
+  ASSERT_TRUE(r.static_on_moving);
+  EXPECT_EQ(r.static_on_moving->frames, 1U);
+  EXPECT_EQ(r.static_on_moving->surfels, 3U);
+  EXPECT_EQ(r.static_on_moving->on_moving, 1U);
+  EXPECT_NE(toText(r).find("1 of 3 surfels, 33.3 %"), std::string::npos);
+  EXPECT_EQ(YAML::Load(toJson(r))["static_on_moving"]["on_moving"].as<int>(), 1);
 }
 
 TEST(EvaluateFolders, SaysWhatIsAbsentAndRefusesWhatIsBroken) {

@@ -12,7 +12,7 @@
 #include "datasets/ply.hpp"
 #include "datasets/trajectory.hpp"
 #include "datasets/tum.hpp"
-#include "geometry/camera.hpp"
+#include "map_on_moving.hpp"
 #include "mask_folder.hpp"
 #include "priors/pose_buffer.hpp"
 
@@ -203,6 +203,10 @@ std::optional<ModelScore> scoreFile(const std::string& model, const std::string&
 void scoreModels(const EvaluationRequest& request, const Inputs& inputs, EvaluationReport& report) {
   report.static_model = scoreFile(in(request.result, "static.ply"),
                                   in(request.sequence, "surface.ply"), inputs.world, report);
+  if (!report.static_model) {
+    report.static_on_moving =
+        scoreMapOnMoving(request.sequence, request.result, truthMaskFolder(request), inputs.camera);
+  }
   const auto offset = objectOffset(inputs.object, inputs.object_truth, inputs.world);
   if (!offset) return;
   report.object_model =

@@ -17,7 +17,8 @@ constexpr const char* kFooter =
     "result.\n"
     "Compares, where both sides are there: camera.txt with groundtruth.txt, object.txt with\n"
     "object_groundtruth.txt, the priors with both, masks/ with mask/ (or masks_hand/), static.ply\n"
-    "with surface.ply, object.ply with object_surface.ply.\n"
+    "with surface.ply, object.ply with object_surface.ply. Without surface.ply: how much of\n"
+    "static.ply lies on dynamic pixels of the true masks.\n"
     "ATE: RMSE of positions, aligned at the first pose, and aligned in SE(3). RPE: RMSE over 1 s.\n"
     "Exit codes: 0 done, 1 an input is unusable, 106 to 109 wrong arguments.";
 

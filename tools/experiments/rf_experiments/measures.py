@@ -66,6 +66,7 @@ NUMBERS = {
     "static_model_median_cm": ("static_model", "accuracy_median_cm"),
     "static_model_share_2cm": ("static_model", "accuracy_share"),
     "static_model_completeness": ("static_model", "completeness"),
+    "static_on_moving_share": ("static_on_moving", "share"),
     "object_model_median_cm": ("object_model", "accuracy_median_cm"),
     "object_model_share_2cm": ("object_model", "accuracy_share"),
     "object_model_completeness": ("object_model", "completeness"),

@@ -159,6 +159,8 @@ def real_figures():
                      recorded(real.ROTATING, "camera_ate_se3_cm", camera_prior=prior))
     yield Figure("walking_halfsphere: IoU from the fifth frame on", "", 0.7, "real",
                  recorded(real.WALKING, "iou_judged"), 3, at_least=True)
+    yield Figure("walking_halfsphere: static map on people, % of its surfels", "", 2, "real",
+                 scaled(100, recorded(real.WALKING, "static_on_moving_share")), 1)
 
 
 def figures():

@@ -56,11 +56,12 @@ def measure(finished, row):
 def report(rows, out):
     out.text("fr1_rpy: the truth with simulated drift as prior (one run a drift seed), and no prior. "
              "walking_halfsphere: against the hand-drawn masks, from the fifth frame on, over the pixels of all of "
-             "them.")
+             "them; and how much of the static map lies on what they call dynamic.")
     out.table(rows, ("recording", "camera_prior"),
               [("frames", "frames", 0), ("prior ATE SE3, cm", "prior_ate_se3_cm", 2)] + CAMERA_COLUMNS
               + [("IoU", "iou_judged", 3), ("IoU, worst frame", "iou_worst_frame", 3),
-                 ("frames with masks", "judged_frames", 0)])
+                 ("frames with masks", "judged_frames", 0),
+                 ("share of the map on people", "static_on_moving_share", 3)])
     shown = [r for r in rows if r["camera_ate_se3_cm"] is not None]
     if shown:
         out.plot("ate", bars, shown, "camera_prior", "recording", "camera_ate_se3_cm", "ATE, aligned in SE(3), cm")
