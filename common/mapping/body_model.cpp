@@ -29,6 +29,23 @@ Nearest nearestAt(const Prediction& world, const Prediction* object, std::size_t
   return n;
 }
 
+std::vector<Surfel> surfelsOf(const SurfelMap& map, double least_confidence) {
+  const float least = logit(std::max(least_confidence, 1e-6));
+  std::vector<Surfel> out;
+  for (int i = 0; i < map.blocks(); ++i) {
+    const SurfelBlock& b = map.block(i);
+    for (int slot = 0; slot < b.count; ++slot) {
+      const Surfel s = b.get(slot);
+      if (s.logit >= least && s.radius > 0) out.push_back(s);
+    }
+  }
+  return out;
+}
+
+std::uint8_t byteOf(float colour) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(colour), 0L, 255L));
+}
+
 }  // namespace
 
 BodyModel::BodyModel(const FusionConfig& config, const Camera& camera)
@@ -106,25 +123,21 @@ FeedbackPlanes feedbackPlanes(const Prediction& world, const Prediction* object,
   return out;
 }
 
-std::vector<SurfelPoint> exportSurfels(const SurfelMap& map, const SE3& T,
+std::vector<SurfelPoint> exportSurfels(const BodyModel& body, const SE3& T,
                                        const SurfelConfig& config) {
+  const std::vector<Surfel> surfels = surfelsOf(body.map, config.export_confidence);
+  std::vector<std::uint8_t> left_out(surfels.size(), 0);
+  if (!config.export_remnants) left_out = body.cleaner.vanished().remnants(surfels);
   const Mat3 R = T.R();
-  const float least = logit(std::max(config.export_confidence, 1e-6));
-  const auto byte = [](float c) {
-    return static_cast<std::uint8_t>(std::clamp(std::lround(c), 0L, 255L));
-  };
   std::vector<SurfelPoint> out;
-  for (int i = 0; i < map.blocks(); ++i) {
-    const SurfelBlock& b = map.block(i);
-    for (int slot = 0; slot < b.count; ++slot) {
-      const Surfel s = b.get(slot);
-      if (s.logit < least || !(s.radius > 0)) continue;
-      const Eigen::Vector3f p = (R * s.point.cast<double>() + T.t).cast<float>();
-      const Eigen::Vector3f n = (R * s.normal.cast<double>()).cast<float>();
-      out.push_back({p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), byte(s.colour.x()),
-                     byte(s.colour.y()), byte(s.colour.z()), s.radius,
-                     1.0F / (1.0F + std::exp(-s.logit))});
-    }
+  for (std::size_t i = 0; i < surfels.size(); ++i) {
+    if (left_out[i] != 0) continue;
+    const Surfel& s = surfels[i];
+    const Eigen::Vector3f p = (R * s.point.cast<double>() + T.t).cast<float>();
+    const Eigen::Vector3f n = (R * s.normal.cast<double>()).cast<float>();
+    out.push_back({p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), byteOf(s.colour.x()),
+                   byteOf(s.colour.y()), byteOf(s.colour.z()), s.radius,
+                   1.0F / (1.0F + std::exp(-s.logit))});
   }
   return out;
 }

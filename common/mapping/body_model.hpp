@@ -56,8 +56,8 @@ FeedbackPlanes feedbackPlanes(const Prediction& world, const Prediction* object,
                               float stable_logit);
 
 /// Surfels of at least export_confidence, mapped by T (body frame to the frame of the export), in
-/// the map's own order.
-std::vector<SurfelPoint> exportSurfels(const SurfelMap& map, const SE3& T,
+/// the map's own order. Remnants of what has vanished are left out unless export_remnants is set.
+std::vector<SurfelPoint> exportSurfels(const BodyModel& body, const SE3& T,
                                        const SurfelConfig& config);
 
 }  // namespace rf

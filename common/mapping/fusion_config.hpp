@@ -119,6 +119,7 @@ struct SurfelConfig {
   double birth_confidence = 0.35;
   double stable_confidence = 0.25;
   double export_confidence = 0.5;
+  bool export_remnants = false;
   double hit_log_odds = 0.25;
   double miss_log_odds = 1.0;
   double free_log_odds = 1.5;
@@ -148,6 +149,8 @@ struct SurfelConfig {
       "of the surfels of a model's first frame");
     v("stable_confidence", stable_confidence, 0.01, 0.95, "-", "a surfel is stable from here");
     v("export_confidence", export_confidence, 0.0, 0.99, "-", "exported from here");
+    v("export_remnants", export_remnants, "-",
+      "export what is left of a thing that has gone for the most part, too");
     v("hit_log_odds", hit_log_odds, 0.01, 5.0, "-", "confidence gained by a matching pixel");
     v("miss_log_odds", miss_log_odds, 0.0, 5.0, "-",
       "lost by a match that belongs to the other body");

@@ -65,6 +65,13 @@ void SurfelCleaner::noteGrowth(const std::vector<int>& blocks, std::int32_t time
   if (!blocks.empty()) growth_.push_back({time, blocks});
 }
 
+void SurfelCleaner::noteVanished(const SurfelBlock& b, std::int32_t time) {
+  for (int i = 0; i < b.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!(b.radius[k] > 0) && b.seen[k] > b.born[k]) vanished_.add({b.x[k], b.y[k], b.z[k]}, time);
+  }
+}
+
 std::int64_t SurfelCleaner::clean(const FrameMaps& frame, const SE3& T_FC, std::int32_t time,
                                   const FusionConfig& config, const std::vector<int>& visible,
                                   SurfelMap& map) {
@@ -95,7 +102,9 @@ std::int64_t SurfelCleaner::clean(const FrameMaps& frame, const SE3& T_FC, std::
     growth_.pop_front();
   }
   for (std::size_t k = 0; k < visible.size(); ++k) {
-    if (touched[k] != 0) map.compact(visible[k]);
+    if (touched[k] == 0) continue;
+    noteVanished(map.block(visible[k]), time);
+    map.compact(visible[k]);
   }
   return before - map.size();
 }

@@ -10,6 +10,7 @@
 #include "mapping/fusion_config.hpp"
 #include "mapping/prediction.hpp"
 #include "mapping/surfel_map.hpp"
+#include "mapping/vanished_surface.hpp"
 
 namespace rf {
 
@@ -62,13 +63,19 @@ class SurfelCleaner {
   /// earlier prediction must not be used afterwards.
   std::int64_t clean(const FrameMaps& frame, const SE3& T_FC, std::int32_t time,
                      const FusionConfig& config, const std::vector<int>& visible, SurfelMap& map);
+  /// Of the surfels removed because the sensor looked through or the other body was there, those
+  /// that more than one frame had measured.
+  const VanishedSurface& vanished() const { return vanished_; }
 
  private:
   struct Growth {
     std::int32_t time;
     std::vector<int> blocks;
   };
+  void noteVanished(const SurfelBlock& block, std::int32_t time);
+
   std::deque<Growth> growth_;
+  VanishedSurface vanished_;
 };
 
 }  // namespace rf

@@ -121,8 +121,8 @@ ModelState FusionStage::process(const RgbdFrame& frame, const SegmentationResult
 
 std::vector<SurfelPoint> FusionStage::surfels(std::uint8_t body) const {
   const FusionState& m = impl_->state;
-  if (body == kBodyStatic) return exportSurfels(m.world.map, m.T_WF, m.config.surfels);
-  if (body == kBodyObject) return exportSurfels(m.object.map, SE3(), m.config.surfels);
+  if (body == kBodyStatic) return exportSurfels(m.world, m.T_WF, m.config.surfels);
+  if (body == kBodyObject) return exportSurfels(m.object, SE3(), m.config.surfels);
   return {};
 }
 

@@ -105,12 +105,17 @@ double positionError(const Outcome& r, const Script& script, int k) {
 TEST(StateChanges, TheMapForgetsABodyThatTurnsOutToMoveAlsoWhereNothingIsSeenBehindIt) {
   Script script;
   script.end = 9;  // 15 cm: most of what it hid is still hidden
-  FusionConfig off;
+  FusionConfig on;
+  on.surfels.export_remnants = true;
+  FusionConfig off = on;
   off.object.shared_m = off.object.onset_m = 0;
   const int without = onBox(run(script, 20, off).world, script, 0);
-  const int with = onBox(run(script, 20).world, script, 0);
+  const int with = onBox(run(script, 20, on).world, script, 0);
   EXPECT_GT(without, 300) << "the case has something to remove";
   EXPECT_LT(with, without / 20);
+  off.surfels.export_remnants = false;
+  EXPECT_LT(onBox(run(script, 20, off).world, script, 0), without / 20)
+      << "what is left of it is not saved, either";
 }
 
 TEST(StateChanges, AnUnseenBodyFollowsItsPriorAndIsFoundByItsModel) {

@@ -57,6 +57,14 @@ class Mapper {
     return n > 0 ? std::sqrt(sum / n) : 0.0;
   }
 
+  // Exported points with z in [low, high].
+  int exported(double low, double high) const {
+    int n = 0;
+    for (const SurfelPoint& p : exportSurfels(body_, SE3(), config.surfels))
+      n += p.z >= low && p.z <= high ? 1 : 0;
+    return n;
+  }
+
   const SurfelMap& map() const { return body_.map; }
   FusionConfig config;
 
@@ -159,6 +167,27 @@ TEST(FrameMaps, WeighsPixelsNearTheMaskBorderDown) {
   EXPECT_EQ(w.world.interior(9, 10), 0);
   EXPECT_EQ(w.object.interior(10, 10), 0);
   EXPECT_EQ(w.object.interior(11, 10), 1);
+}
+
+TEST(SurfelFusion, WhatIsLeftOfAThingThatHasGoneIsNotExported) {
+  const auto box = [](double y, double height) {
+    return test::SceneBox{SE3(Mat3::Identity(), Vec3(0, y, 1.5)), Vec3(0.2, 0.5 * height, 0.05),
+                          false, 0, false};
+  };
+  const test::Scene seated{{wallAt(2.0), box(-0.2, 0.4), box(0.05, 0.1)}};
+  const test::Scene risen{{wallAt(2.0), box(0.05, 0.1)}};
+  Mapper mapper;
+  for (int i = 0; i < 10; ++i) mapper.show(seated, 0);
+  const int all = mapper.exported(1.4, 1.6);
+  EXPECT_GT(all, 1000);
+  for (int i = 0; i < 12; ++i) mapper.show(risen, 0);
+  EXPECT_EQ(mapper.exported(1.4, 1.6), 0) << "most of it has gone";
+  EXPECT_GT(mapper.exported(1.9, 2.1), 1000) << "the wall has not";
+  mapper.config.surfels.export_remnants = true;
+  EXPECT_GT(mapper.exported(1.4, 1.6), all / 10);
+  mapper.config.surfels.export_remnants = false;
+  for (int i = 0; i < 40; ++i) mapper.show(risen, 0);
+  EXPECT_GT(mapper.exported(1.4, 1.6), all / 10) << "it stands by itself";
 }
 
 }  // namespace
