@@ -2,11 +2,14 @@
 // Cuts of two real recordings (tests/data/ATTRIBUTION.md).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "datasets/image_files.hpp"
 #include "datasets/trajectory.hpp"
+#include "datasets/tum.hpp"
 #include "datasets/tum_source.hpp"
+#include "evaluation/moving_pixels.hpp"
 #include "geometry/parallel.hpp"
 #include "priors/simulated_drift.hpp"
 #include "sequence_run.hpp"
@@ -51,15 +54,37 @@ TEST(RealSequence, RotatingCameraBeatsItsDriftingPriors) {
   EXPECT_LT(camera_first, prior_first);
 }
 
-TEST(RealSequence, PeopleAreFoundWithoutAnyPrior) {
+std::string handMask(const std::string& folder, std::int64_t utime) {
+  const std::string time = formatTumPose(utime, SE3());
+  return folder + "/masks_hand/" + time.substr(0, time.find(' ')) + ".png";
+}
+
+// What the masks that were drawn by hand say of the map.
+MapOnMoving mapOnPeople(const std::string& folder, const SequenceRun& run) {
+  const TumDataset dataset(folder);
+  MovingPixels people(run.world, dataset.calibration().camera);
+  for (std::size_t k = 0; k < dataset.size(); ++k) {
+    const auto loaded = dataset.load(k).frame;
+    const auto pose = std::find_if(run.camera.begin(), run.camera.end(), [&](const StampedPose& p) {
+      return loaded && p.utime == loaded->utime;
+    });
+    if (pose == run.camera.end()) continue;
+    const std::string path = handMask(folder, pose->utime);
+    if (!std::filesystem::exists(path)) continue;
+    const Image<std::uint16_t>& depth = loaded->depth_mm;
+    people.add({readGreyImage(path, depth.width(), depth.height()), depth, pose->pose});
+  }
+  return people.result();
+}
+
+TEST(RealSequence, PeopleAreFoundWithoutAnyPriorAndTheMapIsFreeOfThem) {
   const std::string folder = std::string(RF_TEST_DATA) + "/tum_fr3_walking_halfsphere";
   const SequenceRun out = run(folder, {});
   int compared = 0;
   int found = 0;
   double iou = 0;
   for (std::size_t k = 0; k < out.frames.size(); ++k) {
-    const std::string time = formatTumPose(out.frames[k], SE3());
-    const std::string path = folder + "/masks_hand/" + time.substr(0, time.find(' ')) + ".png";
+    const std::string path = handMask(folder, out.frames[k]);
     if (!std::filesystem::exists(path)) continue;
     const Image<std::uint8_t> hand =
         readGreyImage(path, out.masks[k].width(), out.masks[k].height());
@@ -71,6 +96,10 @@ TEST(RealSequence, PeopleAreFoundWithoutAnyPrior) {
   ASSERT_GE(compared, 5);
   EXPECT_GE(found, compared - 1) << "most of both people's pixels in most frames";
   EXPECT_GT(iou / compared, 0.6);
+  const MapOnMoving map = mapOnPeople(folder, out);
+  EXPECT_EQ(map.frames, static_cast<std::size_t>(compared));
+  EXPECT_GT(map.surfels, 10000U);
+  EXPECT_LT(map.share(), 0.02) << "what a man who sat left of himself when he got up counts 0.036";
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ SequenceRun runSequence(const Camera& camera, const PipelineConfig& config, Prio
     if (out.state.object_exists) run.object.push_back({frame->utime, out.state.object.T_W});
     run.static_surfels = out.state.static_surfels;
   }
+  run.world = pipeline.fusion().surfels(kBodyStatic);
   return run;
 }
 
