@@ -363,14 +363,16 @@ std::size_t lowest(const std::vector<Candidate>& candidates, const std::vector<W
   const double most_image = (1.0 - decision.first_body_share) * weighed[one].image;
   std::size_t best = one;
   const bool known = lasted(input, decision);
+  const bool had_world = staticShare(input.level, input.warped.target) >= 0.5;
   double energy =
       weighed[one].total - (known ? decision.known_body_bonus : decision.one_body_bonus);
   for (std::size_t i = 0; i < weighed.size(); ++i) {
     const Weighed& w = weighed[i];
     const JointState& state = candidates[i].fit.state;
     if (state.one_body || w.total >= energy) continue;
-    const bool earned = w.image <= most_image && w.static_share >= decision.no_static_share;
-    if (unannounced(input) && !earned) continue;
+    const bool has_world = w.static_share >= decision.no_static_share;
+    if (unannounced(input) && !(w.image <= most_image && has_world)) continue;
+    if (!has_world && had_world) continue;  // no body fills the view from one frame to the next
     if (candidates[i].turned && !input.body_moved && w.static_share < 0.5) continue;
     if (!turning && contradicts(input, state, decision)) continue;
     best = i;
